@@ -1,0 +1,101 @@
+// A sky picture to be made: the keys of a scene file with their defaults, units in the names. No behaviour.
+#pragma once
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "atmosphere/profile_spec.hpp"
+
+namespace greenray {
+
+enum class Surface { sphere, flat };
+
+struct AtmosphereScene {
+  ProfileSpec profile;                       // key `profile`: shipped name or file, relative to the scene file; loaded and checked
+  std::string profile_source = "us76";       // as written
+  Surface surface = Surface::sphere;         // key `surface`; `radius_km` overrides profile.earth_radius_m
+  bool humidity = true;                      // false: relative humidity of the profile is ignored
+  bool extinction = true;                    // Rayleigh, ozone and aerosol along the bent path
+  double ozone_DU = 300.0;
+  std::optional<double> visibility_km;       // aerosol = { visibility_km | turbidity, angstrom, scale_height_m }
+  std::optional<double> turbidity;           // (molecular + aerosol) / molecular vertical optical depth at 550 nm, >= 1
+  double angstrom = 1.3;
+  double aerosol_scale_height_m = 1200.0;
+};
+
+struct ObserverScene {
+  double height_m = 2.0;
+  double azimuth_deg = 270.0;                // from north through east
+  double altitude_deg = 0.0;                 // picture centre, apparent
+  double fov_deg = 1.0;                      // horizontal, < 180
+  std::array<int, 2> resolution{400, 300};
+};
+
+struct SunScene {
+  enum class Given { nothing, true_altitude, apparent_altitude } given = Given::nothing;
+  enum class Part { centre, upper_limb, lower_limb } part = Part::centre;  // key `at`: which point has that altitude
+  double altitude_deg = 0.0;
+  std::optional<double> azimuth_deg;         // default: the observer's
+  double diameter_arcmin = 31.9877;          // 2 x 959.63"
+  bool limb_darkening = true;
+};
+
+struct SkyScene {
+  enum class Model { plain, academic } model = Model::plain;  // academic: black sky, white disk, no extinction (G04 figs 6.2, 6.3)
+  double sea_reflectance = 0.06;
+};
+
+struct SpectrumScene {
+  std::array<double, 2> range_nm{390.0, 720.0};
+  int samples = 24;                          // spaced evenly in refractivity
+};
+
+struct TracingScene {
+  enum class Method { automatic, rk45, richardson } method = Method::automatic;
+  enum class Transfer { table, per_pixel } transfer = Transfer::table;
+  enum class Precision { automatic, single_, double_ } precision = Precision::automatic;
+  double tolerance = 1e-9;                   // local error of direction per step [rad]
+  double table_arcsec = 0.003;               // error allowed to the index table
+  int max_steps = 20000;
+  std::optional<int> spp;                    // quality = { spp | error_pct | minutes }
+  std::optional<double> error_pct;
+  std::optional<double> minutes;
+};
+
+struct EyeScene {
+  enum class Model { human, camera, none } model = Model::camera;
+  std::optional<double> exposure_ev;         // camera: stops on top of the automatic exposure
+  std::optional<double> bleaching_seconds;   // stored for the eye stage
+};
+
+struct OutputScene {
+  std::string image;                         // .exr; empty: out/<scene name>.exr
+  bool spectral = true;                      // write S0.<nm> channels
+};
+
+struct SweepScene {
+  std::string key;
+  double from = 0, to = 0, step = 0;
+};
+
+struct Scene {
+  std::string name;                          // file name without folder and extension
+  std::string title;
+  std::string file;                          // where it was read from
+  std::string text;                          // the whole file, kept for the EXR header
+  std::vector<std::string> overrides;        // -D KEY=VALUE, in order
+  AtmosphereScene atmosphere;
+  ObserverScene observer;
+  SunScene sun;
+  SkyScene sky;
+  SpectrumScene spectrum;
+  TracingScene tracing;
+  EyeScene eye;
+  OutputScene output;
+  std::vector<SweepScene> sweeps;            // used by `greenray batch`
+  std::vector<std::string> notes;            // warnings to print once
+};
+
+}  // namespace greenray

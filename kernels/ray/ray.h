@@ -1,0 +1,12 @@
+/* Everything the ray needs, in order; the one header that kernels and the host twin include. */
+#ifndef GREENRAY_RAY_ALL_H
+#define GREENRAY_RAY_ALL_H
+#include "lib/language.h"
+#include "shared/index_table.h"
+#include "shared/ray.h"
+#include "medium/refractivity_lookup.h"
+#include "ray/equation.h"
+#include "ray/dormand_prince.h"
+#include "ray/richardson.h"
+#include "ray/trace.h"
+#endif

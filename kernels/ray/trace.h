@@ -1,0 +1,251 @@
+/* Marches a bundle of rays, one per lane, cell by cell until each has an outcome.
+
+   A step never leaves its cell: knots and kinks are step ends, so inside a step the medium is one smooth polynomial, and a
+   thin layer cannot be leapt over. The distance to the edge of the cell is solved from the ray's own Taylor series; a step
+   that lands beyond the edge by more than the landing tolerance is rejected and shortened. Turning points are step ends too. */
+#ifndef GREENRAY_TRACE_H
+#define GREENRAY_TRACE_H
+
+#if REAL_IS_DOUBLE
+#define ROUNDING R(2.3e-16)
+#define LANDING R(1e-8) /* of the cell's thickness */
+#else
+#define ROUNDING R(1.2e-7)
+#define LANDING R(1e-5)
+#endif
+
+#if INTEGRATOR_IS_RICHARDSON
+#define INTEGRATOR_STEP richardson_step
+#else
+#define INTEGRATOR_STEP dormand_prince_step
+#endif
+
+typedef struct TraceSettings {
+  scalar tolerance_rad; /* local error of direction per step */
+  int max_steps;        /* accepted and rejected together */
+  int cells_per_row;
+} TraceSettings;
+
+typedef struct March {
+  Medium medium;
+  RayState y;
+  RayState start;
+  mask row, cell, outcome;
+  mask heading; /* all bits (1 when scalar): rising */
+  mask turning_points, steps, rejected;
+  real sigma_m, sigma_end_m, step_m;
+  real min_z_m, max_z_m, solver_error_rad;
+  real start_momentum2, start_potential; /* for the Bouguer alarm: N^2 and ln N of the table at the start */
+} March;
+
+DEVICE real edge_m(const CellLanes *c, mask rising) { return rising ? c->bottom_m + c->thickness_m : c->bottom_m; }
+
+DEVICE real landing_tolerance_m(const CellLanes *c, real z_m) {
+  return LANDING * c->thickness_m + R(2) * ROUNDING * magnitude(z_m);
+}
+
+/* How far beyond the edge ahead z is: negative inside. */
+DEVICE real beyond_edge_m(const CellLanes *c, mask rising, real z_m) {
+  const real ahead = z_m - edge_m(c, rising);
+  return rising ? ahead : -ahead;
+}
+
+/* ln N of the table: ln n + z/R. */
+DEVICE real potential(const Medium *m, real z_m) {
+  const real t = (z_m - m->cell.bottom_m) / m->cell.thickness_m;
+  return log_index(&m->cell, t) + z_m * m->absorbers.earth_curvature_per_m;
+}
+
+/* sigma to the edge ahead, or to the turning point where that comes first.
+   z(s) = z + p s + F s^2/2 + J s^3/6: the parabola solved without cancellation, then two Newton steps for the cubic term. */
+DEVICE real sigma_to_edge(const Medium *m, const RayState *y, const RaySlope *slope, mask rising) {
+  const real distance = edge_m(&m->cell, rising) - y->z_m;
+  const real p = y->rise, force = slope->rise;
+  const real discriminant = p * p + R(2) * force * distance;
+  const real speed = root(larger(discriminant, SPREAD(0)));
+  const real denominator = p + (rising ? speed : -speed);
+  real s = R(2) * distance / (denominator != R(0) ? denominator : SPREAD(1));
+
+  const real t = (y->z_m - m->cell.bottom_m) / m->cell.thickness_m;
+  const real momentum2 = slope->optical_path_m;
+  const real jerk = p * (R(2) * force * force / momentum2 +
+                         momentum2 * log_index_gradient_slope(&m->cell, t) / m->cell.thickness_m);
+  for (int i = 0; i < 2; ++i) {
+    const real miss = distance - s * (p + s * (R(0.5) * force + s * R(1.0 / 6) * jerk));
+    const real velocity = p + s * (force + s * R(0.5) * jerk);
+    const mask usable = (velocity * denominator > R(0)) & (magnitude(miss) < R(0.5) * magnitude(distance));
+    s += usable ? miss / velocity : SPREAD(0);
+  }
+  const real turn = -p / (force != R(0) ? force : SPREAD(1));
+  s = discriminant < R(0) ? turn : s;
+  /* A standing ray (denominator 0) is left to the step cap; a turn just ahead is stepped over by a sliver. */
+  s = (denominator == R(0)) & (discriminant >= R(0)) ? m->cell.step_cap_m : s;
+  return larger(s, (discriminant < R(0)) ? R(0.01) * m->cell.step_cap_m : SPREAD(0));
+}
+
+DEVICE void start_march(March *w, INDEX_TABLE table, GLOBAL const RayStart *rays, int first, int last,
+                        const TraceSettings *settings, Absorbers absorbers) {
+  for (int i = 0; i < LANES; ++i) {
+    const RayStart ray = rays[first + i < last ? first + i : last];
+    LANE(w->y.z_m, i) = ray.z_m;
+    LANE(w->y.rise, i) = ray.rise;
+    LANE(w->medium.run, i) = ray.run;
+    LANE(w->sigma_end_m, i) = ray.sigma_end_m;
+    LANE_INT(w->row, i) = ray.row;
+    LANE_INT(w->cell, i) = ray.cell;
+  }
+  const real zero = SPREAD(0);
+  w->medium.absorbers = absorbers;
+  w->y.bending_rad = zero;
+  w->y.optical_path_m = zero;
+#if WITH_COLUMNS
+  w->y.column[0] = w->y.column[1] = w->y.column[2] = zero;
+#endif
+  w->start = w->y;
+  w->outcome = w->turning_points = w->steps = w->rejected = SPREAD_INT(0);
+  w->sigma_m = w->solver_error_rad = zero;
+  w->min_z_m = w->max_z_m = w->y.z_m;
+  load_cells(table, w->row, w->cell, settings->cells_per_row, &w->medium.cell);
+  w->step_m = w->medium.cell.step_cap_m;
+  const RaySlope slope = derivative(&w->medium, w->y.z_m, w->y.rise);
+  w->heading = (w->y.rise > R(0)) | ((w->y.rise == R(0)) & (slope.rise >= R(0)));
+  w->start_momentum2 = slope.optical_path_m;
+  w->start_potential = potential(&w->medium, w->y.z_m);
+}
+
+/* Into the neighbouring cell, or out of the air, for lanes that stand at the edge ahead. */
+DEVICE void cross_edges(March *w, INDEX_TABLE table, const TraceSettings *settings, mask running) {
+  const CellLanes *c = &w->medium.cell;
+  const mask at_edge = running & (beyond_edge_m(c, w->heading, w->y.z_m) >= -landing_tolerance_m(c, w->y.z_m));
+  const mask up = at_edge & w->heading, down = at_edge & !w->heading;
+  const mask space = up & (w->cell == settings->cells_per_row - 1), ground = down & (w->cell == 0);
+  w->outcome = space ? SPREAD_INT(RAY_SPACE) : ground ? SPREAD_INT(RAY_GROUND) : w->outcome;
+  const mask one = SPREAD_INT(1), none = SPREAD_INT(0);
+  w->cell += ((up & !space) ? one : none) - ((down & !ground) ? one : none);
+  if (any_lane(at_edge)) load_cells(table, w->row, w->cell, settings->cells_per_row, &w->medium.cell);
+}
+
+/* Notes a change of heading; two turning points, one upper and one lower, mean the ray is trapped. */
+DEVICE void note_turning_points(March *w, const RaySlope *slope, mask rising_now, mask rising_before) {
+  const mask turned = (rising_now & !rising_before) | (!rising_now & rising_before);
+  if (!any_lane(turned)) return;
+  const real extreme = w->y.z_m - R(0.5) * w->y.rise * w->y.rise / (slope->rise != R(0) ? slope->rise : SPREAD(1));
+  w->min_z_m = turned ? smaller(w->min_z_m, extreme) : w->min_z_m;
+  w->max_z_m = turned ? larger(w->max_z_m, extreme) : w->max_z_m;
+  w->turning_points += turned ? SPREAD_INT(1) : SPREAD_INT(0);
+  w->outcome = (w->outcome == RAY_RUNNING) & (w->turning_points >= 2) ? SPREAD_INT(RAY_TRAPPED) : w->outcome;
+}
+
+/* Tries one step of every running lane; keeps it where it is accurate and stays in its cell. */
+DEVICE void try_step(March *w, const RaySlope *slope, const TraceSettings *settings, mask running) {
+  const Medium *m = &w->medium;
+  const real to_edge = sigma_to_edge(m, &w->y, slope, w->heading);
+  const real allowed = smaller(smaller(to_edge, m->cell.step_cap_m), w->sigma_end_m - w->sigma_m);
+  const real h = larger(smaller(w->step_m, allowed), R(1e-6) * m->cell.step_cap_m);
+
+  real error;
+  const RayState end = INTEGRATOR_STEP(m, &w->y, slope, h, &error);
+  const real tolerance = settings->tolerance_rad + R(2) * ROUNDING * magnitude(end.rise);
+  const real beyond = beyond_edge_m(&m->cell, w->heading, end.z_m);
+  const mask overshot = beyond > R(4) * landing_tolerance_m(&m->cell, end.z_m);
+  const mask smallest = h <= R(2e-6) * m->cell.step_cap_m;
+  const mask accepted = running & (((error <= tolerance) & !overshot) | smallest);
+
+  /* Next step: fourth root, a little below the classical fifth (or third) so that no power function is needed. */
+  const real ratio = root(root(tolerance / (error + R(1e-3) * tolerance)));
+  const real grown = h * smaller(larger(R(0.9) * ratio, SPREAD(R(0.2))), SPREAD(R(4)));
+  const real covered = beyond_edge_m(&m->cell, w->heading, w->y.z_m);
+  const real secant = covered / (covered - beyond);
+  const real shortened = h * smaller(larger(secant, SPREAD(R(0.1))), SPREAD(R(0.95)));
+  const real kept = larger(grown, h < w->step_m ? w->step_m : SPREAD(0));
+  w->step_m = accepted ? kept : overshot & (error <= tolerance) ? shortened : grown;
+
+  w->y.z_m = accepted ? end.z_m : w->y.z_m;
+  w->y.rise = accepted ? end.rise : w->y.rise;
+  w->y.bending_rad = accepted ? end.bending_rad : w->y.bending_rad;
+  w->y.optical_path_m = accepted ? end.optical_path_m : w->y.optical_path_m;
+#if WITH_COLUMNS
+  for (int i = 0; i < 3; ++i) w->y.column[i] = accepted ? end.column[i] : w->y.column[i];
+#endif
+  w->sigma_m += accepted ? h : SPREAD(0);
+  w->solver_error_rad += accepted ? error : SPREAD(0);
+  w->min_z_m = smaller(w->min_z_m, w->y.z_m);
+  w->max_z_m = larger(w->max_z_m, w->y.z_m);
+  w->steps += accepted ? SPREAD_INT(1) : SPREAD_INT(0);
+  w->rejected += running & !accepted ? SPREAD_INT(1) : SPREAD_INT(0);
+
+  const mask arrived = accepted & (w->sigma_m >= w->sigma_end_m * (R(1) - R(2) * ROUNDING));
+  const mask broken = running & !(error <= R(1e30));
+  w->outcome = broken ? SPREAD_INT(RAY_NOT_FINITE) : arrived ? SPREAD_INT(RAY_IN_FLIGHT) : w->outcome;
+}
+
+/* From within the landing tolerance exactly onto the ground or the top. */
+DEVICE void settle(March *w) {
+  const mask landed = (w->outcome == RAY_SPACE) | (w->outcome == RAY_GROUND);
+  const real surface = edge_m(&w->medium.cell, w->outcome == RAY_SPACE);
+  const real back = (surface - w->y.z_m) / (w->y.rise != R(0) ? w->y.rise : SPREAD(1));
+  const real h = landed & (magnitude(w->y.rise) > R(1e-6)) ? back : SPREAD(0);
+  const RaySlope slope = derivative(&w->medium, w->y.z_m, w->y.rise);
+  advance(&w->y, h, &slope);
+  w->sigma_m += h;
+  w->y.z_m = landed ? surface : w->y.z_m;
+  w->min_z_m = smaller(w->min_z_m, w->y.z_m);
+  w->max_z_m = larger(w->max_z_m, w->y.z_m);
+}
+
+DEVICE void trace(March *w, INDEX_TABLE table, const TraceSettings *settings) {
+  for (int i = 0; i < settings->max_steps; ++i) {
+    mask running = w->outcome == RAY_RUNNING;
+    if (!any_lane(running)) break;
+    const mask rising_before = w->heading;
+    w->heading = (w->y.rise > R(0)) | ((w->y.rise == R(0)) & rising_before);
+    cross_edges(w, table, settings, running);
+    const RaySlope slope = derivative(&w->medium, w->y.z_m, w->y.rise);
+    note_turning_points(w, &slope, w->heading, rising_before);
+    running = w->outcome == RAY_RUNNING;
+    try_step(w, &slope, settings, running);
+  }
+  w->outcome = w->outcome == RAY_RUNNING ? SPREAD_INT(RAY_LIMIT) : w->outcome;
+  settle(w);
+}
+
+/* |ln| change of N^2 against the table's own N^2: run never changes, so this sees every error of height and rise. */
+DEVICE real bouguer_drift(const March *w) {
+  const real momentum2 = w->medium.run * w->medium.run + w->y.rise * w->y.rise;
+  const real kept = (momentum2 - w->start_momentum2) / w->start_momentum2;
+  const real expected = R(2) * (potential(&w->medium, w->y.z_m) - w->start_potential);
+  return R(0.5) * magnitude(kept - (exponential(expected) - R(1)));
+}
+
+DEVICE void record(const March *w, GLOBAL RayEnd *ends, int first, int last) {
+  March v = *w;
+  real drift = bouguer_drift(w);
+  for (int i = 0; i < LANES; ++i) {
+    if (first + i > last) continue;
+    RayEnd end;
+    end.z_m = LANE(v.y.z_m, i);
+    end.run = LANE(v.medium.run, i);
+    end.rise = LANE(v.y.rise, i);
+    end.sigma_m = LANE(v.sigma_m, i);
+    end.bending_rad = LANE(v.y.bending_rad, i);
+    end.optical_path_m = LANE(v.y.optical_path_m, i);
+    for (int k = 0; k < 3; ++k) {
+#if WITH_COLUMNS
+      end.column[k] = LANE(v.y.column[k], i);
+#else
+      end.column[k] = 0;
+#endif
+    }
+    end.min_z_m = LANE(v.min_z_m, i);
+    end.max_z_m = LANE(v.max_z_m, i);
+    end.solver_error_rad = LANE(v.solver_error_rad, i);
+    end.bouguer_drift = LANE(drift, i);
+    end.outcome = (int)LANE_INT(v.outcome, i);
+    end.turning_points = (int)LANE_INT(v.turning_points, i);
+    end.steps = (int)LANE_INT(v.steps, i);
+    end.rejected = (int)LANE_INT(v.rejected, i);
+    ends[first + i] = end;
+  }
+}
+
+#endif
