@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 
 #include "support/embedded.hpp"
 #include "support/toml_reader.hpp"
@@ -100,8 +101,8 @@ AlongSurface read_along_surface(const TomlTable &row, const std::string &key, co
   return varying;
 }
 
-/// from_m, to_m, rise_K: the ramp a sounding shows. The Fermi step of G04 4.4 with the same centre, the same rise and the
-/// same gradient at the centre, which is rise/(4 diffuseness), stands for it: diffuseness = (to - from)/4.
+/// from_m, to_m, rise_K: the ramp a sounding shows. The Fermi step of G04 4.4 with the same centre, the same rise and
+/// the same gradient at the centre, which is rise/(4 diffuseness), stands for it: diffuseness = (to - from)/4.
 void read_ramp(const TomlTable &row, InversionSpec &inversion) {
   double from_m = 0, to_m = 0, rise_K = 0;
   const bool all = row.require("from_m", air_height.text()) & row.require("to_m", air_height.text()) &
@@ -122,7 +123,9 @@ std::vector<InversionSpec> read_inversions(const TomlTable &root) {
     const bool fermi = row.has("delta_T_K") | row.has("height_m") | row.has("diffuseness_m");
     const bool ramp = row.has("from_m") | row.has("to_m") | row.has("rise_K");
     if (fermi && ramp) {
-      row.complain(row.has("from_m") ? "from_m" : row.has("to_m") ? "to_m" : "rise_K",
+      row.complain(row.has("from_m") ? "from_m"
+                   : row.has("to_m") ? "to_m"
+                                     : "rise_K",
                    "expected either delta_T_K, height_m, diffuseness_m or from_m, to_m, rise_K, not some of each");
     } else if (ramp) {
       read_ramp(row, inversion);
@@ -185,29 +188,6 @@ ProfileSpec read_toml(const std::string &file, std::string_view text) {
   refuse_mixtures(root, spec);
   document.finish();
   return spec;
-}
-
-std::string word_of(IndexModel model) {
-  for (const auto &[word, value] : index_model_words())
-    if (value == model) return word;
-  return "born-wolf";
-}
-
-std::string text_of(const AlongSurface &quantity) {
-  if (!quantity.varies()) return exact_decimal(quantity.constant());
-  const auto array = [](const std::vector<double> &numbers) {
-    std::string all;
-    for (const double number : numbers) all += (all.empty() ? "" : ", ") + exact_decimal(number);
-    return "[" + all + "]";
-  };
-  return "{ x_m = " + array(quantity.x_m) + ", value = " + array(quantity.value) + " }";
-}
-
-/// `text` as comment lines: control characters, which a TOML comment may not hold, become spaces.
-std::string comment(std::string text) {
-  for (char &c : text)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  return "# " + text + "\n";
 }
 
 /// "us76" from "us76", "us76.toml", "profiles/us76.toml" or an alias.
@@ -273,48 +253,8 @@ ProfileSpec load_profile(const std::string &name_or_file, const std::string &rel
   const std::string shipped = "profiles/" + name + ".toml";
   if (const auto text = embedded_file(shipped)) return parse_profile(shipped, *text, choice);
   const std::vector<std::string> names = shipped_profiles();
-  std::string all;
-  for (const std::string &known : names) all += (all.empty() ? "" : ", ") + known;
   throw InputError(asked_at, "'" + name_or_file + "' is neither a file nor a shipped profile" +
-                                 did_you_mean(name, names) + "; shipped: " + all);
-}
-
-std::string write_profile(const ProfileSpec &spec) {
-  std::string text = comment(spec.name + ": an air profile for greenray");
-  for (const std::string &note : spec.notes) text += comment(note);
-  const auto line = [&text](const char *key, double value) {
-    text += std::string(key) + " = " + exact_decimal(value) + "\n";
-  };
-  text += std::string("base = \"") + (spec.base_is_us76 ? "us76" : "none") + "\"\n";
-  text += "index = \"" + word_of(spec.index) + "\"\n";
-  line("earth_radius_m", spec.earth_radius_m);
-  line("surface_pressure_Pa", spec.surface_pressure_Pa);
-  text += std::string("interpolation = \"") +
-          (spec.interpolation == Interpolation::cubic ? "cubic" : "linear") + "\"\n";
-  line("smooth_m", spec.smooth_m);
-  line("exaggerate", spec.exaggerate);
-  for (const Level &level : spec.levels) {
-    text += "\n[[level]]\n";
-    line("height_m", level.height_m);
-    line("temperature_K", level.temperature_K);
-    if (level.pressure_Pa) line("pressure_Pa", *level.pressure_Pa);
-    if (level.relative_humidity) line("relative_humidity", *level.relative_humidity);
-  }
-  for (const InversionSpec &inversion : spec.inversions)
-    text += "\n[[inversion]]\ndelta_T_K = " + text_of(inversion.delta_T_K) +
-            "\nheight_m = " + text_of(inversion.height_m) +
-            "\ndiffuseness_m = " + text_of(inversion.diffuseness_m) + "\n";
-  for (const SurfaceLayerSpec &layer : spec.surface_layers) {
-    text += "\n[[surface_layer]]\n";
-    line("delta_T_K", layer.delta_T_K);
-    line("scale_m", layer.scale_m);
-  }
-  for (const IndexLevel &level : spec.index_levels) {
-    text += "\n[[index_level]]\n";
-    line("height_m", level.height_m);
-    line("refractivity", level.refractivity);
-  }
-  return text;
+                                 did_you_mean(name, names) + "; shipped: " + comma_list(names));
 }
 
 }  // namespace greenray

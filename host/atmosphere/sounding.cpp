@@ -66,27 +66,37 @@ std::string file_stem(const std::string &file_name) {
 }
 
 [[noreturn]] void fail_format(const Source &source, Format format, std::string_view text) {
-  const std::string sounding = "a sounding (Wyoming list, page or CSV, IGRA version 2, or CSV with height_m and temperature_C)";
+  const std::string sounding =
+      "a sounding (Wyoming list, page or CSV, IGRA version 2, or CSV with height_m and temperature_C)";
   switch (format) {
-    case Format::packed: source.fail(1, 1, sounding, "a packed archive", "unzip it first");
+    case Format::packed:
+      source.fail(1, 1, sounding, "a packed archive", "unzip it first");
     case Format::derived:
-      source.fail(1, 1, "an IGRA version 2 data file", "a derived file (-drvd)", "it has another layout: use the station's -data file");
-    case Format::empty: source.fail(1, 1, sounding, "an empty file", "was it fetched completely?");
+      source.fail(1, 1, "an IGRA version 2 data file", "a derived file (-drvd)",
+                  "it has another layout: use the station's -data file");
+    case Format::empty:
+      source.fail(1, 1, sounding, "an empty file", "was it fetched completely?");
     case Format::binary: {
       const auto bad = std::find_if(source.lines.begin(), source.lines.end(), [](const TextLine &line) {
         return std::any_of(line.text.begin(), line.text.end(), is_control);
       });
       const bool here = bad != source.lines.end();
-      const auto column = here ? std::find_if(bad->text.begin(), bad->text.end(), is_control) - bad->text.begin() + 1 : 1;
+      const auto column =
+          here ? std::find_if(bad->text.begin(), bad->text.end(), is_control) - bad->text.begin() + 1 : 1;
       source.fail(here ? bad->number : 1, static_cast<int>(column), "plain text", "a control character",
                   "this is binary or damaged: save it as UTF-8 text");
     }
-    default: break;
+    default:
+      break;
   }
   const std::vector<TextLine> lines = split_lines(text);
-  const auto first = std::find_if(lines.begin(), lines.end(), [](const TextLine &line) { return !is_blank(line.text); });
-  const bool level = first->text.size() >= 51 && first->text.size() <= 52 && first->text[0] >= '1' && first->text[0] <= '3';
-  source.fail(first->number, 1, sounding, quoted(first->text), level ? "this looks like IGRA levels whose header record (#) is lost" : "columns must be separated by commas");
+  const auto first =
+      std::find_if(lines.begin(), lines.end(), [](const TextLine &line) { return !is_blank(line.text); });
+  const bool level =
+      first->text.size() >= 51 && first->text.size() <= 52 && first->text[0] >= '1' && first->text[0] <= '3';
+  source.fail(
+      first->number, 1, sounding, quoted(first->text),
+      level ? "this looks like IGRA levels whose header record (#) is lost" : "columns must be separated by commas");
 }
 
 struct Reading {
@@ -130,9 +140,12 @@ bool looks_like_sounding(const std::string &file_name, std::string_view text) {
   switch (format_of(file_name, text, lines)) {
     case Format::unknown:
     case Format::empty:
-    case Format::binary: return false;
-    case Format::plain_csv: return names_profile_columns(lines);
-    default: return true;
+    case Format::binary:
+      return false;
+    case Format::plain_csv:
+      return names_profile_columns(lines);
+    default:
+      return true;
   }
 }
 

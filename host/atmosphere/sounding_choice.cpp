@@ -18,8 +18,8 @@ std::optional<Moment> make_moment(int year, int month, int day, int minute) {
 std::string moment_text(const Moment &moment) {
   const std::chrono::year_month_day date{moment.day};
   char text[64];
-  std::snprintf(text, sizeof text, "%04d-%02u-%02u", static_cast<int>(date.year()),
-                static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()));
+  std::snprintf(text, sizeof text, "%04d-%02u-%02u", static_cast<int>(date.year()), static_cast<unsigned>(date.month()),
+                static_cast<unsigned>(date.day()));
   std::string shown = text;
   if (moment.minute < 0) return shown;
   std::snprintf(text, sizeof text, "T%02d:%02dZ", moment.minute / 60, moment.minute % 60);
@@ -28,9 +28,9 @@ std::string moment_text(const Moment &moment) {
 
 std::string entry_text(const Entry &entry) {
   std::string text;
-  for (const std::string &station : entry.stations) text += (text.empty() ? "" : " ") + station;
+  for (const std::string &station : entry.stations) text.append(text.empty() ? "" : " ").append(station);
   const std::optional<Moment> &time = entry.nominal ? entry.nominal : entry.release;
-  if (time) text += (text.empty() ? "" : " ") + moment_text(*time);
+  if (time) text.append(text.empty() ? "" : " ").append(moment_text(*time));
   return text;
 }
 
@@ -46,7 +46,8 @@ struct Wanted {
 int take(std::string_view &text, std::size_t digits, char separator) {
   int value = -1;
   const std::string_view part = text.substr(0, digits);
-  const bool all_digits = part.size() == digits && std::all_of(part.begin(), part.end(), [](char c) { return c >= '0' && c <= '9'; });
+  const bool all_digits =
+      part.size() == digits && std::all_of(part.begin(), part.end(), [](char c) { return c >= '0' && c <= '9'; });
   if (!all_digits || (separator && (text.size() <= digits || text[digits] != separator))) return -1;
   std::from_chars(part.data(), part.data() + digits, value);
   text.remove_prefix(digits + (separator ? 1 : 0));
@@ -132,7 +133,9 @@ static std::vector<std::size_t> fitting(const Source &source, const std::vector<
     if (error != std::errc{} || end != when.data() + when.size()) index = entries.size() + 1;
   } else if (!when.empty()) {
     wanted = parse_when(when);
-    if (!wanted) source.fail(1, 1, "a time like 2024-06-21T12, 2024-06-21T23:02Z or #2 for the choice of sounding", quoted(when), "times are UTC");
+    if (!wanted)
+      source.fail(1, 1, "a time like 2024-06-21T12, 2024-06-21T23:02Z or #2 for the choice of sounding", quoted(when),
+                  "times are UTC");
   }
   std::vector<std::size_t> by_nominal, by_release;
   for (std::size_t i = 0; i < entries.size(); ++i) {
@@ -155,7 +158,8 @@ const Entry &choose(const Source &source, const std::vector<Entry> &entries, con
   }
   const Entry &entry = entries[found.front()];
   if (found.size() > 1)
-    notes.push_back("took sounding #" + std::to_string(found.front() + 1) + " (" + entry_text(entry) + "), the first of " + std::to_string(found.size()) + " that fit the choice");
+    notes.push_back("took sounding #" + std::to_string(found.front() + 1) + " (" + entry_text(entry) +
+                    "), the first of " + std::to_string(found.size()) + " that fit the choice");
   return entry;
 }
 

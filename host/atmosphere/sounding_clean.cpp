@@ -8,8 +8,8 @@
 namespace greenray::sounding {
 namespace {
 
-constexpr double gravity_m_s2 = 9.80665;         // standard; makes geopotential metres
-constexpr double dry_air_J_kg_K = 287.053;       // 8.31446 / 0.0289652
+constexpr double gravity_m_s2 = 9.80665;          // standard; makes geopotential metres
+constexpr double dry_air_J_kg_K = 287.053;        // 8.31446 / 0.0289652
 constexpr double effective_radius_m = 6356766.0;  // US Standard Atmosphere 1976, eq 18
 constexpr double vapour_to_air_mass = 0.62198;
 constexpr double printed_step_Pa = 15;  // archives print 0.1 hPa: neighbours can share a printed pressure ..
@@ -85,10 +85,9 @@ bool repeats(const Source &source, const RawLevel &row, const Below &below) {
     source.fail(row.line, row.pressure_column,
                 "a pressure below the " + number_text(*below.pressure_Pa / 100) + " hPa of the level before" + where,
                 number_text(*row.pressure_Pa / 100) + " hPa", hint);
-  const std::string higher = "a height above the " + (heights ? number_text(*below.height_m) : "") +
-                             " m of the level before" + where;
-  if (heights && rise_m < 0)
-    source.fail(row.line, row.height_column, higher, number_text(*row.height_m) + " m", hint);
+  const std::string higher =
+      "a height above the " + (heights ? number_text(*below.height_m) : "") + " m of the level before" + where;
+  if (heights && rise_m < 0) source.fail(row.line, row.height_column, higher, number_text(*row.height_m) + " m", hint);
   const bool same_height = heights && rise_m == 0, same_pressure = pressures && fall_Pa == 0;
   if (!same_height && !same_pressure) return false;
   const double scale_m = dry_air_J_kg_K * below.temperature_K / gravity_m_s2;
@@ -96,12 +95,12 @@ bool repeats(const Source &source, const RawLevel &row, const Below &below) {
     source.fail(row.line, row.pressure_column,
                 "a pressure below the " + number_text(*below.pressure_Pa / 100) + " hPa of the level before" + where,
                 "the same, " + number_text(rise_m) + " m higher", hint);
-  const bool far_in_pressure = pressures && fall_Pa / *row.pressure_Pa * scale_m > printed_step_m + scale_m * printed_step_Pa / *row.pressure_Pa;
+  const bool far_in_pressure =
+      pressures && fall_Pa / *row.pressure_Pa * scale_m > printed_step_m + scale_m * printed_step_Pa / *row.pressure_Pa;
   if (same_height && far_in_pressure)
     source.fail(row.line, row.height_column, higher, "the same at " + number_text(fall_Pa / 100) + " hPa less", hint);
   if (std::abs(*row.temperature_K - below.temperature_K) > same_air_K)
-    source.fail(row.line, same_height ? row.height_column : row.pressure_column,
-                "one temperature at each level",
+    source.fail(row.line, same_height ? row.height_column : row.pressure_column, "one temperature at each level",
                 number_text(*row.temperature_K) + " K and " + number_text(below.temperature_K) + " K" + where, hint);
   return true;
 }
@@ -116,7 +115,8 @@ void check_order(const Source &source, std::vector<RawLevel> &rows, ProfileSpec 
     below.temperature_K = *row.temperature_K, below.line = row.line;
     kept.push_back(row);
   }
-  note_count(profile, rows.size() - kept.size(), "dropped", "level", "repeating the height or pressure of the level before");
+  note_count(profile, rows.size() - kept.size(), "dropped", "level",
+             "repeating the height or pressure of the level before");
   rows.swap(kept);
 }
 
@@ -126,16 +126,22 @@ void settle_humidity(const Source &source, std::vector<RawLevel> &rows, ProfileS
     if (!row.relative_humidity && row.dew_point_K) {
       row.relative_humidity = saturation_Pa(*row.dew_point_K) / saturation_Pa(*row.temperature_K);
       if (*row.relative_humidity > 1.05)
-        source.fail(row.line, 1, "a dew point no higher than the temperature of " + number_text(*row.temperature_K) + " K",
+        source.fail(row.line, 1,
+                    "a dew point no higher than the temperature of " + number_text(*row.temperature_K) + " K",
                     number_text(*row.dew_point_K) + " K", "are the two columns swapped?");
       ++derived;
     }
     if (!row.relative_humidity) ++missing;
     else if (*row.relative_humidity > 1) row.relative_humidity = 1.0, ++clamped;
   }
-  if (derived) profile.notes.push_back("computed the relative humidity of " + count_of(derived, "level") + " from the dew point");
-  if (clamped) profile.notes.push_back("lowered the relative humidity of " + count_of(clamped, "level") + " from above 100 % to 100 %");
-  if (missing) profile.notes.push_back("relative humidity is missing at " + std::to_string(missing) + " of " + count_of(rows.size(), "level"));
+  if (derived)
+    profile.notes.push_back("computed the relative humidity of " + count_of(derived, "level") + " from the dew point");
+  if (clamped)
+    profile.notes.push_back("lowered the relative humidity of " + count_of(clamped, "level") +
+                            " from above 100 % to 100 %");
+  if (missing)
+    profile.notes.push_back("relative humidity is missing at " + std::to_string(missing) + " of " +
+                            count_of(rows.size(), "level"));
 }
 
 /// Rebuilt rows [begin, end) reached the given height of row `end`: shrink their steps to fit between the given ones.
@@ -162,9 +168,12 @@ void rebuild_heights(const Source &source, std::vector<RawLevel> &rows, ProfileS
   if (first == rows.end())
     source.fail(rows.front().line, rows.front().height_column, "at least one level with height and pressure", "none",
                 "the other heights are rebuilt from it");
-  for (auto row = first; row != rows.begin(); --row)
-    if (RawLevel &lower = *(row - 1); !lower.height_m) lower.height_m = *first->height_m + thickness_m(*first, lower);
-    else break;
+  auto known = first;
+  for (auto row = first; row != rows.begin();) {
+    --row;
+    if (!row->height_m) row->height_m = *known->height_m + thickness_m(*known, *row);
+    if (is_anchor(*row)) known = row;
+  }
   std::size_t anchor = static_cast<std::size_t>(first - rows.begin()), run = rows.size();  // run: first of the rebuilt
   for (std::size_t i = anchor + 1; i < rows.size(); ++i) {
     if (!rows[i].height_m) {
@@ -181,8 +190,8 @@ void rebuild_heights(const Source &source, std::vector<RawLevel> &rows, ProfileS
 
 void need_two(const Source &source, const std::vector<RawLevel> &rows, int line) {
   if (rows.size() >= 2) return;
-  source.fail(line, 1, "at least 2 levels with temperature, pressure and height",
-              rows.empty() ? "none" : "1", "is the file complete?");
+  source.fail(line, 1, "at least 2 levels with temperature, pressure and height", rows.empty() ? "none" : "1",
+              "is the file complete?");
 }
 
 }  // namespace
@@ -210,17 +219,19 @@ void clean_levels(const Source &source, const Family &family, std::vector<RawLev
   for (const RawLevel &row : rows) {
     const double height_m = geometric_m(*row.height_m);
     if (height_m > highest_height_m || (!profile.levels.empty() && height_m <= profile.levels.back().height_m))
-      source.fail(row.line, row.height_column, "heights that ascend and end below 120000 m", number_text(height_m) + " m",
-                  "this one was rebuilt from its pressure");
-    profile.levels.push_back({height_m, *row.temperature_K, row.pressure_Pa, row.relative_humidity, {source.file, row.line, 1}});
+      source.fail(row.line, row.height_column, "heights that ascend and end below 120000 m",
+                  number_text(height_m) + " m", "this one was rebuilt from its pressure");
+    profile.levels.push_back(
+        {height_m, *row.temperature_K, row.pressure_Pa, row.relative_humidity, {source.file, row.line, 1}});
   }
   const RawLevel &lowest = rows.front();
   if (!lowest.pressure_Pa) return;
   const double depth_m = dry_air_J_kg_K * virtual_temperature_K(lowest) / gravity_m_s2;
   profile.surface_pressure_Pa = *lowest.pressure_Pa * std::exp(*lowest.height_m / depth_m);
   if (*lowest.height_m > 0)
-    profile.notes.push_back("reduced the pressure of the lowest level at " + number_text(geometric_m(*lowest.height_m)) +
-                            " m to " + number_text(profile.surface_pressure_Pa / 100) + " hPa at 0 m");
+    profile.notes.push_back("reduced the pressure of the lowest level at " +
+                            number_text(geometric_m(*lowest.height_m)) + " m to " +
+                            number_text(profile.surface_pressure_Pa / 100) + " hPa at 0 m");
 }
 
 }  // namespace greenray::sounding

@@ -1,7 +1,5 @@
 // Comma-separated soundings: the Wyoming download (13 columns) and the plain profile with units in its column names.
 #include <algorithm>
-#include <array>
-#include <functional>
 
 #include "atmosphere/sounding_parts.hpp"
 
@@ -32,28 +30,26 @@ struct Known {
 };
 
 const std::vector<Known> &plain_columns() {
-  static const std::vector<Known> known = {
-      {"height_m", &RawLevel::height_m, height_in(1)},
-      {"height_km", &RawLevel::height_m, height_in(1000)},
-      {"height_ft", &RawLevel::height_m, height_in(0.3048)},
-      {"temperature_C", &RawLevel::temperature_K, temperature_in(1, 273.15)},
-      {"temperature_K", &RawLevel::temperature_K, temperature_in(1, 0)},
-      {"pressure_hPa", &RawLevel::pressure_Pa, pressure_in(100)},
-      {"pressure_Pa", &RawLevel::pressure_Pa, pressure_in(1)},
-      {"relative_humidity_pct", &RawLevel::relative_humidity, humidity_in(0.01)},
-      {"relative_humidity", &RawLevel::relative_humidity, humidity_in(1)},
-      {"dew_point_C", &RawLevel::dew_point_K, dew_point_in(1, 273.15)},
-      {"dew_point_K", &RawLevel::dew_point_K, dew_point_in(1, 0)}};
+  static const std::vector<Known> known = {{"height_m", &RawLevel::height_m, height_in(1)},
+                                           {"height_km", &RawLevel::height_m, height_in(1000)},
+                                           {"height_ft", &RawLevel::height_m, height_in(0.3048)},
+                                           {"temperature_C", &RawLevel::temperature_K, temperature_in(1, 273.15)},
+                                           {"temperature_K", &RawLevel::temperature_K, temperature_in(1, 0)},
+                                           {"pressure_hPa", &RawLevel::pressure_Pa, pressure_in(100)},
+                                           {"pressure_Pa", &RawLevel::pressure_Pa, pressure_in(1)},
+                                           {"relative_humidity_pct", &RawLevel::relative_humidity, humidity_in(0.01)},
+                                           {"relative_humidity", &RawLevel::relative_humidity, humidity_in(1)},
+                                           {"dew_point_C", &RawLevel::dew_point_K, dew_point_in(1, 273.15)},
+                                           {"dew_point_K", &RawLevel::dew_point_K, dew_point_in(1, 0)}};
   return known;
 }
 
 const std::vector<Known> &wyoming_columns() {
-  static const std::vector<Known> known = {
-      {"pressure_hPa", &RawLevel::pressure_Pa, pressure_in(100)},
-      {"geopotential height_m", &RawLevel::height_m, height_in(1)},
-      {"temperature_C", &RawLevel::temperature_K, temperature_in(1, 273.15)},
-      {"dew point temperature_C", &RawLevel::dew_point_K, dew_point_in(1, 273.15)},
-      {"relative humidity_%", &RawLevel::relative_humidity, humidity_in(0.01)}};
+  static const std::vector<Known> known = {{"pressure_hPa", &RawLevel::pressure_Pa, pressure_in(100)},
+                                           {"geopotential height_m", &RawLevel::height_m, height_in(1)},
+                                           {"temperature_C", &RawLevel::temperature_K, temperature_in(1, 273.15)},
+                                           {"dew point temperature_C", &RawLevel::dew_point_K, dew_point_in(1, 273.15)},
+                                           {"relative humidity_%", &RawLevel::relative_humidity, humidity_in(0.01)}};
   return known;
 }
 
@@ -73,14 +69,16 @@ std::vector<const Known *> read_header(const Source &source, const std::vector<C
     if (columns.back()) {
       for (std::size_t i = 0; i + 1 < columns.size(); ++i)
         if (columns[i] && columns[i]->member == columns.back()->member)
-          source.fail(cell, "one column for the " + std::string(found->quantity.name), "it stands in " + quoted(header[i].text) + " already");
+          source.fail(cell, "one column for the " + std::string(found->quantity.name),
+                      "it stands in " + quoted(header[i].text) + " already");
       continue;
     }
     const std::string lower = lower_case(cell.text), guess = did_you_mean(std::string(cell.text), names_of(known));
     const bool near = !guess.empty() || lower.starts_with("height") || lower.starts_with("temp") ||
                       lower.starts_with("press") || lower.starts_with("altitude");
     if (&known == &plain_columns() && near)
-      source.fail(cell, "a known column" + guess, "columns are height_m, temperature_C or _K, pressure_hPa or _Pa, relative_humidity_pct, dew_point_C");
+      source.fail(cell, "a known column" + guess,
+                  "columns are height_m, temperature_C or _K, pressure_hPa or _Pa, relative_humidity_pct, dew_point_C");
     if (&known == &plain_columns()) notes.push_back("ignored column " + quoted(cell.text));
   }
   return columns;
@@ -89,17 +87,20 @@ std::vector<const Known *> read_header(const Source &source, const std::vector<C
 /// The header has a column for `member`, or an error says which names would do.
 void need_column(const Source &source, const std::vector<Cell> &header, const std::vector<const Known *> &columns,
                  std::optional<double> RawLevel::*member, const std::string &names) {
-  const bool there = std::any_of(columns.begin(), columns.end(), [&](const Known *k) { return k && k->member == member; });
+  const bool there =
+      std::any_of(columns.begin(), columns.end(), [&](const Known *k) { return k && k->member == member; });
   if (there) return;
   std::string found;
   for (const Cell &cell : header) found += (found.empty() ? "" : ",") + std::string(cell.text);
-  source.fail(header.front().line, 1, "a column " + names + " in the header", quoted(found), "names and units must match, separated by commas");
+  source.fail(header.front().line, 1, "a column " + names + " in the header", quoted(found),
+              "names and units must match, separated by commas");
 }
 
 RawLevel read_row(const Source &source, const std::vector<Cell> &cells, const std::vector<const Known *> &columns) {
   if (cells.size() != columns.size()) {
     const Cell &last = cells.back();
-    source.fail(last.line, last.column, count_of(columns.size(), "field") + " as in the header", std::to_string(cells.size()), "the row is cut off or a comma is missing; use . in numbers");
+    source.fail(last.line, last.column, count_of(columns.size(), "field") + " as in the header",
+                std::to_string(cells.size()), "the row is cut off or a comma is missing; use . in numbers");
   }
   RawLevel level;
   level.line = cells.front().line;
@@ -140,21 +141,22 @@ std::optional<Moment> read_time(const Source &source, const Cell &cell) {
 /// A repeated header begins another sounding.
 std::vector<Entry> index_wyoming_csv(const Source &source) {
   std::vector<Entry> entries;
-  std::optional<std::size_t> time_column;
+  std::size_t time_column = std::string::npos;  // none
   for (std::size_t i = 0; i < source.lines.size(); ++i) {
     const TextLine &line = source.lines[i];
     if (!is_content(line)) continue;
     const std::vector<Cell> cells = split_cells(line);
-    const auto is_header = [](const Cell &cell) { return cell.text == "geopotential height_m" || cell.text == "pressure_hPa"; };
+    const auto is_header = [](const Cell &cell) {
+      return cell.text == "geopotential height_m" || cell.text == "pressure_hPa";
+    };
     if (entries.empty() || std::any_of(cells.begin(), cells.end(), is_header)) {
       const auto time = std::find_if(cells.begin(), cells.end(), [](const Cell &cell) { return cell.text == "time"; });
-      time_column.reset();
-      if (time != cells.end()) time_column = static_cast<std::size_t>(time - cells.begin());
+      time_column = time == cells.end() ? std::string::npos : static_cast<std::size_t>(time - cells.begin());
       entries.push_back({});
       entries.back().line = line.number;
       entries.back().begin = i;
-    } else if (Entry &entry = entries.back(); time_column && *time_column < cells.size() && !entry.release) {
-      entry.release = read_time(source, cells[*time_column]);
+    } else if (Entry &entry = entries.back(); time_column < cells.size() && !entry.release) {
+      entry.release = read_time(source, cells[time_column]);
       if (entry.release) {  // nearest of 00, 06, 12, 18 UTC
         const int quarter = (entry.release->minute + 180) / 360;
         entry.nominal = Moment{entry.release->day + std::chrono::days{quarter / 4}, quarter % 4 * 360};

@@ -22,9 +22,11 @@ int whole(const Source &source, const TextLine &line, std::size_t first, std::si
   const std::string columns = " in columns " + std::to_string(first) + "-" + std::to_string(last);
   std::string_view digits = cell.text;
   if (digits.starts_with('-')) digits.remove_prefix(1);
-  const bool good = !digits.empty() && std::all_of(digits.begin(), digits.end(), [](char c) { return c >= '0' && c <= '9'; });
+  const bool good =
+      !digits.empty() && std::all_of(digits.begin(), digits.end(), [](char c) { return c >= '0' && c <= '9'; });
   if (!good || line.text[last - 1] == ' ')
-    source.fail(cell, "a whole number for the " + std::string(name) + columns, "IGRA version 2 has fixed columns; -9999 is missing");
+    source.fail(cell, "a whole number for the " + std::string(name) + columns,
+                "IGRA version 2 has fixed columns; -9999 is missing");
   return static_cast<int>(*to_number(cell.text));
 }
 
@@ -38,12 +40,13 @@ std::optional<double> value(const Source &source, const TextLine &line, std::siz
 
 void check_level_shape(const Source &source, const TextLine &line) {
   if (line.text.size() < level_columns)
-    source.fail(line.number, static_cast<int>(line.text.size()) + 1,
-                "a level of " + std::to_string(level_columns) + " columns", "only " + count_of(line.text.size(), "column"),
-                "the file is truncated or not an IGRA version 2 data file");
+    source.fail(
+        line.number, static_cast<int>(line.text.size()) + 1, "a level of " + std::to_string(level_columns) + " columns",
+        "only " + count_of(line.text.size(), "column"), "the file is truncated or not an IGRA version 2 data file");
   if (line.text.size() > level_columns + 1 && !is_blank(line.text.substr(level_columns)))
     source.fail(line.number, static_cast<int>(level_columns) + 1, "the end of the level",
-                quoted(line.text.substr(level_columns)), "derived (-drvd) files have another layout: use the -data file");
+                quoted(line.text.substr(level_columns)),
+                "derived (-drvd) files have another layout: use the -data file");
 }
 
 Entry read_header(const Source &source, const TextLine &line) {
@@ -74,14 +77,16 @@ Entry read_header(const Source &source, const TextLine &line) {
 RawLevel read_level(const Source &source, const TextLine &line) {
   const char type = line.text[0], minor = line.text[1];
   if (type < '1' || type > '3' || minor < '0' || minor > '2')
-    source.fail(line.number, 1, "a level type 1-3 and 0-2", quoted(line.text.substr(0, 2)), "a line may be damaged or shifted");
+    source.fail(line.number, 1, "a level type 1-3 and 0-2", quoted(line.text.substr(0, 2)),
+                "a line may be damaged or shifted");
   for (const std::size_t column : {3U, 9U, 34U, 40U, 46U})
     if (line.text[column - 1] != ' ')
       source.fail(line.number, static_cast<int>(column), "a blank in column " + std::to_string(column),
                   quoted(line.text.substr(column - 1, 1)), "a line may be damaged or shifted");
   for (const std::size_t column : {16U, 22U, 28U})
     if (const char flag = line.text[column - 1]; flag != ' ' && flag != 'A' && flag != 'B')
-      source.fail(line.number, static_cast<int>(column), "a flag A, B or blank", quoted(line.text.substr(column - 1, 1)), "a line may be damaged or shifted");
+      source.fail(line.number, static_cast<int>(column), "a flag A, B or blank",
+                  quoted(line.text.substr(column - 1, 1)), "a line may be damaged or shifted");
   RawLevel level;
   level.line = line.number;
   level.pressure_column = 10, level.height_column = 17;
@@ -104,7 +109,8 @@ bool is_igra2_header(std::string_view line) {
   const auto digit = [](char c) { return c >= '0' && c <= '9'; };
   const auto name = [&](char c) { return digit(c) || (c >= 'A' && c <= 'Z'); };
   if (line.size() < 17 || line[0] != '#' || line[12] != ' ') return false;
-  return std::all_of(line.begin() + 1, line.begin() + 12, name) && std::any_of(line.begin() + 13, line.begin() + 17, digit);
+  return std::all_of(line.begin() + 1, line.begin() + 12, name) &&
+         std::any_of(line.begin() + 13, line.begin() + 17, digit);
 }
 
 /// Checks the shape of the whole file: every record has as many levels as its header says, and whole ones.
@@ -117,7 +123,8 @@ std::vector<Entry> index_igra2(const Source &source) {
     if (is_blank(header.text)) continue;
     if (!header.text.starts_with('#')) {
       const std::string which = entries.empty() ? "an IGRA header record starting with #"
-                                                : "the next header (#) after the levels counted in line " + std::to_string(entries.back().line);
+                                                : "the next header (#) after the levels counted in line " +
+                                                      std::to_string(entries.back().line);
       source.fail(header.number, 1, which, quoted(header.text), "a level was added, or a header lost or damaged");
     }
     Entry entry = read_header(source, header);
@@ -133,7 +140,10 @@ std::vector<Entry> index_igra2(const Source &source) {
       ++found;
     }
     if (found < stated)
-      source.fail(last_line, 1, count_of(static_cast<std::size_t>(stated), "level") + " after the header in line " + std::to_string(header.number), std::to_string(found), "the file is truncated or levels were removed");
+      source.fail(last_line, 1,
+                  count_of(static_cast<std::size_t>(stated), "level") + " after the header in line " +
+                      std::to_string(header.number),
+                  std::to_string(found), "the file is truncated or levels were removed");
     entry.end = i;
     entries.push_back(entry);
   }

@@ -19,7 +19,7 @@ std::string tag_name(std::string_view tag) {
   return lower_case(tag);
 }
 
-/// "a word after a newer page's <H1><I>..": pieces of one line joined by inline tags are kept as one view.
+/// The characters begin..end of a line as a piece; nothing if there are none.
 void add_piece(std::vector<TextLine> &pieces, const TextLine &line, std::size_t begin, std::size_t end, int block) {
   if (begin < end)
     pieces.push_back({line.number, static_cast<int>(begin) + 1, line.text.substr(begin, end - begin), block});
@@ -28,7 +28,7 @@ void add_piece(std::vector<TextLine> &pieces, const TextLine &line, std::size_t 
 }  // namespace
 
 bool looks_like_page(std::string_view text) {
-  static constexpr std::array<std::string_view, 8> marks = {"<html", "<!doctype", "<head", "<title",
+  static constexpr std::array<std::string_view, 8> marks = {"<html", "<!doctype", "<head",  "<title",
                                                             "<body", "<pre>",     "</pre>", "</html>"};
   const std::string start = lower_case(text.substr(0, 65536));
   return std::any_of(marks.begin(), marks.end(), [&](std::string_view mark) { return start.find(mark) != start.npos; });
@@ -66,7 +66,8 @@ std::vector<TextLine> split_page(const Source &source) {
     }
     add_piece(pieces, line, begin, text.size(), block);
   }
-  if (in_tag) source.fail(tag_line, tag_column, "the end > of this tag", "the end of the page", "the page is truncated");
+  if (in_tag)
+    source.fail(tag_line, tag_column, "the end > of this tag", "the end of the page", "the page is truncated");
   if (block % 2)
     source.fail(source.lines.back().number, 1, "</PRE> for the <PRE> in line " + std::to_string(pre_line),
                 "the end of the page", "the page is truncated: fetch it again");
@@ -79,7 +80,8 @@ void fail_page(const Source &page) {
   for (const TextLine &piece : page.lines) {
     if (is_blank(piece.text)) continue;
     const std::string lower = lower_case(piece.text);
-    const bool complaint = std::any_of(sorry.begin(), sorry.end(), [&](std::string_view word) { return lower.find(word) != lower.npos; });
+    const bool complaint =
+        std::any_of(sorry.begin(), sorry.end(), [&](std::string_view word) { return lower.find(word) != lower.npos; });
     if (!said) said = &piece;
     if (complaint) {
       said = &piece;
@@ -87,7 +89,8 @@ void fail_page(const Source &page) {
     }
   }
   page.fail(said ? said->number : 1, said ? said->column : 1, "a page with a sounding in <PRE>",
-            said ? quoted(said->text) : "an empty page", "the archive sent no sounding: check station and time, or ask again later");
+            said ? quoted(said->text) : "an empty page",
+            "the archive sent no sounding: check station and time, or ask again later");
 }
 
 }  // namespace greenray::sounding

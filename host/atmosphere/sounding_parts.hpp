@@ -50,24 +50,20 @@ constexpr double lowest_height_m = -500, highest_height_m = 120000;
 constexpr Quantity height_in(double metres) {
   return {"height", metres, 0, lowest_height_m, highest_height_m, "-500 to 120000 m"};
 }
-constexpr Quantity pressure_in(double pascals) {
-  return {"pressure", pascals, 0, 1e-3, 110000, "0.00001 to 1100 hPa"};
-}
+constexpr Quantity pressure_in(double pascals) { return {"pressure", pascals, 0, 1e-3, 110000, "0.00001 to 1100 hPa"}; }
 constexpr Quantity temperature_in(double kelvins, double add) {
   return {"temperature", kelvins, add, 150, 350, "150 to 350 K (-123.15 to 76.85 C)"};
 }
 constexpr Quantity dew_point_in(double kelvins, double add) {
   return {"dew point", kelvins, add, 100, 350, "100 to 350 K (-173.15 to 76.85 C)"};
 }
-constexpr Quantity humidity_in(double fractions) {
-  return {"relative humidity", fractions, 0, 0, 1.05, "0 to 105 %"};
-}
+constexpr Quantity humidity_in(double fractions) { return {"relative humidity", fractions, 0, 0, 1.05, "0 to 105 %"}; }
 
 std::string_view trimmed(std::string_view text);
 std::string lower_case(std::string_view text);
 std::string quoted(std::string_view text);  // 'text', printable and short; "nothing" for blanks
 bool is_blank(std::string_view text);
-std::vector<TextLine> split_lines(std::string_view text);  // \n, \r\n or \r
+std::vector<TextLine> split_lines(std::string_view text);      // \n, \r\n or \r
 std::string count_of(std::size_t n, const std::string &noun);  // "1 level", "3 levels"
 
 /// A finite decimal number and nothing else; none otherwise.

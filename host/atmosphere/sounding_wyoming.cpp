@@ -18,7 +18,9 @@ Cell field(const Source &source, const TextLine &line, std::size_t i) {
   const Cell cell = {line.number, line.column + static_cast<int>(begin + blanks), text};
   const bool right_aligned = text.empty() || blanks + text.size() == field_width;
   if (!right_aligned)
-    source.fail(cell, "a value ending at column " + std::to_string(line.column - 1 + static_cast<int>((i + 1) * field_width)), "fields are 7 characters wide and right-aligned: the row is cut off or shifted");
+    source.fail(cell,
+                "a value ending at column " + std::to_string(line.column - 1 + static_cast<int>((i + 1) * field_width)),
+                "fields are 7 characters wide and right-aligned: the row is cut off or shifted");
   return cell;
 }
 
@@ -54,7 +56,8 @@ Columns read_columns(const Source &source, const TextLine &names, const TextLine
   const auto need = [&](const char *name, const char *unit) {
     const std::optional<std::size_t> i = find_column(source, names, units, name, unit);
     if (!i)
-      source.fail(names.number, names.column, "a column " + std::string(name) + " in the row of names", quoted(names.text), "names are right-aligned in fields of 7 characters");
+      source.fail(names.number, names.column, "a column " + std::string(name) + " in the row of names",
+                  quoted(names.text), "names are right-aligned in fields of 7 characters");
     return *i;
   };
   Columns columns;
@@ -76,7 +79,9 @@ RawLevel read_row(const Source &source, const TextLine &line, const Columns &col
     if (!cell.text.empty() && !to_number(cell.text)) source.fail(cell, "a number", "a missing value is seven blanks");
   }
   if (line.text.size() > width && !is_blank(line.text.substr(width)))
-    source.fail(line.number, line.column + static_cast<int>(width), "the end of the row after " + count_of(columns.count, "field"), quoted(line.text.substr(width)), "the row is shifted or two rows were joined");
+    source.fail(line.number, line.column + static_cast<int>(width),
+                "the end of the row after " + count_of(columns.count, "field"), quoted(line.text.substr(width)),
+                "the row is shifted or two rows were joined");
   RawLevel level;
   level.line = line.number;
   level.pressure_column = cells[columns.pressure].column;
@@ -192,17 +197,19 @@ std::vector<Entry> index_wyoming_list(const Source &source) {
       read_footer(line.text, entries.back());
     }
   }
-  if (entries.empty())
-    source.fail(1, 1, "a row of names PRES HGHT TEMP ..", "none",
-                "a Wyoming list has it between two rules, above the levels");
-  return entries;
+  if (!entries.empty()) return entries;
+  const auto first =
+      std::find_if(source.lines.begin(), source.lines.end(), [](const TextLine &line) { return !is_blank(line.text); });
+  source.fail(first->number, first->column, "a list with a row of names PRES HGHT TEMP ..", quoted(first->text),
+              "the archive sent no sounding, or the rows above the levels are lost");
 }
 
 std::vector<RawLevel> read_wyoming_list(const Source &source, const Entry &entry) {
   const TextLine &names = source.lines[entry.begin];
   std::size_t i = entry.begin + 1;
   if (i >= entry.end)
-    source.fail(names.number, names.column, "a row of units and levels below the names", "the end", "the file is truncated");
+    source.fail(names.number, names.column, "a row of units and levels below the names", "the end",
+                "the file is truncated");
   const Columns columns = read_columns(source, names, source.lines[i++]);
   if (i < entry.end && is_rule(source.lines[i].text)) ++i;
   std::vector<RawLevel> levels;

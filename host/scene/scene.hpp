@@ -77,7 +77,9 @@ struct OutputScene {
 
 struct SweepScene {
   std::string key;
-  double from = 0, to = 0, step = 0;
+  double from = 0, to = 0, step = 0;         // key `range`; all 0 when `values` was given instead
+  std::vector<double> values;                // the pictures to make, in order: as listed, or the range written out
+  SourcePlace place;
 };
 
 struct Scene {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <climits>
 #include <cmath>
 
 namespace greenray {
@@ -19,6 +18,12 @@ std::string exact_decimal(double value) {
   std::string text = short_number(value);
   if (text.find_first_of(".en") == std::string::npos) text += ".0";  // "n": nan, inf
   return text;
+}
+
+std::string comma_list(const std::vector<std::string> &words) {
+  std::string all;
+  for (const std::string &word : words) all += (all.empty() ? "" : ", ") + word;
+  return all;
 }
 
 bool Limits::hold(double value) const {
@@ -46,14 +51,6 @@ static std::string describe(const toml::node &node) {
   if (node.is_array()) return "an array";
   return "a date or time";
 }
-
-static std::string list(const std::vector<std::string> &words) {
-  std::string all;
-  for (const std::string &word : words) all += (all.empty() ? "" : ", ") + word;
-  return all;
-}
-
-// ---- TomlTable
 
 const toml::node *TomlTable::find(const std::string &key) const {
   document_->known_.insert(full(key));
@@ -90,12 +87,9 @@ bool TomlTable::require(const std::string &key, const std::string &expected) con
 
 bool TomlTable::to_number(const std::string &key, const toml::node &node, double &into, const Limits &limits) const {
   double value = 0;
-  if (const auto *number = node.as_floating_point())
-    value = number->get();
-  else if (const auto *integer = node.as_integer())
-    value = static_cast<double>(integer->get());
-  else
-    return wrong(key, node, limits.text()), false;
+  if (const auto *number = node.as_floating_point()) value = number->get();
+  else if (const auto *integer = node.as_integer()) value = static_cast<double>(integer->get());
+  else return wrong(key, node, limits.text()), false;
   if (!limits.hold(value)) return wrong(key, node, limits.text()), false;
   into = value;
   return true;
@@ -117,10 +111,8 @@ bool TomlTable::read(const std::string &key, int &into, const Limits &limits) co
   const toml::node *node = find(key);
   if (!node) return false;
   double value = NAN;  // a sweep hands over 24.0: whole is whole
-  if (const auto *integer = node->as_integer())
-    value = static_cast<double>(integer->get());
-  else if (const auto *number = node->as_floating_point())
-    value = number->get();
+  if (const auto *integer = node->as_integer()) value = static_cast<double>(integer->get());
+  else if (const auto *number = node->as_floating_point()) value = number->get();
   if (!limits.hold(value) || value != std::floor(value)) return wrong(key, *node, limits.text("a whole number")), false;
   into = static_cast<int>(value);
   return true;
@@ -164,7 +156,7 @@ bool TomlTable::read(const std::string &key, std::vector<double> &into, const Li
 std::optional<std::size_t> TomlTable::word_index(const std::string &key, const std::vector<std::string> &names) const {
   const toml::node *node = find(key);
   if (!node) return std::nullopt;
-  const std::string expected = "one of " + list(names);
+  const std::string expected = "one of " + comma_list(names);
   if (!node->is_string()) return wrong(key, *node, expected), std::nullopt;
   const std::string &word = node->as_string()->get();
   const auto at = std::find(names.begin(), names.end(), word);
@@ -205,126 +197,6 @@ std::vector<TomlTable> TomlTable::rows(const std::string &key) const {
     all.push_back(TomlTable{document_, inner, full(key), place_of(row)});
   }
   return all;
-}
-
-// ---- TomlDocument
-
-static SourcePlace place_of(const toml::parse_error &error, const std::string &file) {
-  return {file, static_cast<int>(error.source().begin.line), static_cast<int>(error.source().begin.column)};
-}
-
-TomlDocument::TomlDocument(const std::string &file, std::string_view text) : file_(file) {
-  if (text.size() > max_toml_bytes)
-    throw InputError({file, 1, 1}, "expected at most 16 MiB of text, found " + std::to_string(text.size()) + " bytes");
-  try {
-    root_ = std::make_unique<toml::table>(toml::parse(text, std::string_view(file_)));
-  } catch (const toml::parse_error &error) {
-    throw InputError(place_of(error, file_), "not valid TOML: " + std::string(error.description()));
-  }
-  opened_.emplace(root_.get(), "");
-}
-
-TomlDocument::~TomlDocument() = default;
-
-TomlTable TomlDocument::root() { return {this, root_.get(), "", SourcePlace{file_, 1, 1}}; }
-
-/// `KEY="VALUE"` for a value that is no TOML but reads as a bare word; nothing when it was meant as TOML.
-static std::optional<std::string> quoted(const std::string &assignment, std::size_t equals) {
-  const std::string value = assignment.substr(equals + 1);
-  if (!value.empty() && std::string("[{\"'").find(value[0]) != std::string::npos) return std::nullopt;
-  std::string text = assignment.substr(0, equals + 1) + "\"";
-  for (const char c : value) {
-    if (c == '"' || c == '\\') text += '\\';
-    text += c;
-  }
-  return text + "\"";
-}
-
-/// Moves the values of `from` into `into`, table by table. Moving keeps their places in the text; copying would not.
-static void merge(toml::table &into, toml::table &from) {
-  for (auto &&[key, node] : from) {
-    toml::node *old = into.get(key.str());
-    if (old && old->is_table() && node.is_table()) {
-      merge(*old->as_table(), *node.as_table());
-      continue;
-    }
-    node.visit([&into, &k = key](auto &value) { into.insert_or_assign(k, std::move(value)); });
-  }
-}
-
-void TomlDocument::override_with(const std::string &assignment) {
-  const std::string file = "-D " + assignment;
-  const std::size_t equals = assignment.find('=');
-  if (equals == std::string::npos || equals == 0 || assignment.find_first_of("\r\n#") < equals ||
-      assignment.find_first_of("\r\n") != std::string::npos || assignment[0] == '[')
-    return complain({file, 1, 1}, "expected KEY=VALUE, as in sun.altitude_deg=-0.5");
-  toml::table parsed;
-  try {
-    parsed = toml::parse(assignment, std::string_view(file));
-  } catch (const toml::parse_error &error) {
-    const std::optional<std::string> as_text = quoted(assignment, equals);
-    try {
-      if (!as_text) throw toml::parse_error(error);
-      parsed = toml::parse(*as_text, std::string_view(file));
-    } catch (const toml::parse_error &last) {
-      return complain(place_of(last, file), "not a TOML value: " + std::string(last.description()));
-    }
-  }
-  merge(*root_, parsed);
-}
-
-void TomlDocument::prefer_overridden(const std::string &table, const std::string &key, const std::string &rival) {
-  toml::table *at = root_->at_path(table).as_table();
-  const toml::node *first = at ? at->get(key) : nullptr;
-  const toml::node *second = at ? at->get(rival) : nullptr;
-  if (!first || !second) return;
-  const auto from_file = [this](const toml::node &node) { return node.source().path && *node.source().path == file_; };
-  if (from_file(*first) == from_file(*second)) return;
-  at->erase(from_file(*first) ? key : rival);
-}
-
-void TomlDocument::complain(SourcePlace place, const std::string &message) {
-  diagnostics_.push_back({std::move(place), message});
-}
-
-void TomlDocument::complain(const InputError &error) {
-  diagnostics_.insert(diagnostics_.end(), error.diagnostics().begin(), error.diagnostics().end());
-}
-
-std::vector<std::string> TomlDocument::known_below(const std::string &path) const {
-  const std::string prefix = path.empty() ? "" : path + ".";
-  std::vector<std::string> names;
-  for (const std::string &known : known_)
-    if (known.compare(0, prefix.size(), prefix) == 0 && known.find('.', prefix.size()) == std::string::npos)
-      names.push_back(known.substr(prefix.size()));
-  return names;
-}
-
-void TomlDocument::complain_about_unread() {
-  for (const auto &[table, path] : opened_) {
-    const std::vector<std::string> here = known_below(path);
-    for (auto &&[key, node] : *table) {
-      const std::string name(key.str());
-      if (std::find(here.begin(), here.end(), name) != here.end()) continue;
-      const toml::source_region &source = key.source();
-      std::string hint = did_you_mean(name, here);
-      if (hint.empty()) hint = "; expected one of " + list(here);
-      complain({source.path ? *source.path : file_, static_cast<int>(source.begin.line),
-                static_cast<int>(source.begin.column)},
-               "unknown key '" + (path.empty() ? name : path + "." + name) + "'" + hint);
-    }
-  }
-}
-
-void TomlDocument::finish() {
-  complain_about_unread();
-  if (diagnostics_.empty()) return;
-  const auto rank = [this](const Diagnostic &d) {  // this file in reading order, then the others as they came
-    return d.place.file == file_ ? std::pair(d.place.line, d.place.column) : std::pair(INT_MAX, INT_MAX);
-  };
-  std::stable_sort(diagnostics_.begin(), diagnostics_.end(),
-                   [&](const Diagnostic &a, const Diagnostic &b) { return rank(a) < rank(b); });
-  throw InputError(std::move(diagnostics_));
 }
 
 }  // namespace greenray

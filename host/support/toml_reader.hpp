@@ -23,7 +23,7 @@ struct Limits {
   const char *unit = "";
   bool low_open = false;
   bool high_open = false;
-  bool hold(double value) const;      // false for NaN and infinities
+  bool hold(double value) const;  // false for NaN and infinities
   std::string text(const char *noun = "a number") const;
 };
 
@@ -32,6 +32,9 @@ constexpr std::size_t max_toml_bytes = 16u << 20;
 
 /// Shortest decimal text that reads back to the same double, valid as a TOML float ("6371000.0").
 std::string exact_decimal(double value);
+
+/// "a, b, c"
+std::string comma_list(const std::vector<std::string> &words);
 
 class TomlDocument;
 

@@ -5,8 +5,6 @@
    real     what a work-item computes with: LANES scalars side by side (PoCL: 8 floats), or one (GPUs).
    mask     one truth value per lane, also used for whole numbers per lane. `m ? a : b` selects lane by lane in both languages.
    LANE(v, i), LANE_INT(m, i)   one lane of a real or of a mask. */
-#ifndef GREENRAY_LANGUAGE_H
-#define GREENRAY_LANGUAGE_H
 
 #ifdef __OPENCL_C_VERSION__ /* ------------------------------------------------------------------ device */
 #define DEVICE static inline
@@ -26,6 +24,10 @@ typedef int lane_int;
 typedef double4 real;
 typedef long4 mask;
 typedef long lane_int;
+#elif LANES == 4
+typedef float4 real;
+typedef int4 mask;
+typedef int lane_int;
 #else
 typedef float8 real;
 typedef int8 mask;
@@ -90,4 +92,3 @@ DEVICE int any_lane(mask m) {
 #endif
 }
 
-#endif

@@ -1,8 +1,6 @@
 /* One step of Dormand & Prince 5(4), J. Comp. Appl. Math. 6 (1980) 19-26, table 2; the fifth-order result is kept.
    error: |difference of the two orders| as an angle [rad] (equation.h, direction_error).
    differs: the first-same-as-last evaluation is not carried over, because steps end at knots where the slope may jump. */
-#ifndef GREENRAY_DORMAND_PRINCE_H
-#define GREENRAY_DORMAND_PRINCE_H
 
 CONSTANT scalar dp_a[6][6] = {
     {R(1.0 / 5), 0, 0, 0, 0, 0},
@@ -39,4 +37,3 @@ DEVICE RayState dormand_prince_step(const Medium *m, const RayState *start, cons
   return end;
 }
 
-#endif

@@ -7,8 +7,6 @@
      d(column)/dsigma = density (1 + h/R) N.
    differs from G04: written for the pair (z, rise), so that nothing of size 1 or of size R is ever differenced in float,
    no sine is needed, and Bouguer's invariant is exact by construction. */
-#ifndef GREENRAY_EQUATION_H
-#define GREENRAY_EQUATION_H
 
 typedef struct RayState {
   real z_m, rise, bending_rad, optical_path_m;
@@ -67,4 +65,3 @@ DEVICE real direction_error(real dz_m, real drise, real dbending, real h) {
   return larger(larger(magnitude(drise), magnitude(dbending)), magnitude(dz_m) / h);
 }
 
-#endif

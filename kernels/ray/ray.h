@@ -1,6 +1,4 @@
 /* Everything the ray needs, in order; the one header that kernels and the host twin include. */
-#ifndef GREENRAY_RAY_ALL_H
-#define GREENRAY_RAY_ALL_H
 #include "lib/language.h"
 #include "shared/index_table.h"
 #include "shared/ray.h"
@@ -9,4 +7,3 @@
 #include "ray/dormand_prince.h"
 #include "ray/richardson.h"
 #include "ray/trace.h"
-#endif

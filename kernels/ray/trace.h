@@ -3,8 +3,6 @@
    A step never leaves its cell: knots and kinks are step ends, so inside a step the medium is one smooth polynomial, and a
    thin layer cannot be leapt over. The distance to the edge of the cell is solved from the ray's own Taylor series; a step
    that lands beyond the edge by more than the landing tolerance is rejected and shortened. Turning points are step ends too. */
-#ifndef GREENRAY_TRACE_H
-#define GREENRAY_TRACE_H
 
 #if REAL_IS_DOUBLE
 #define ROUNDING R(2.3e-16)
@@ -13,6 +11,8 @@
 #define ROUNDING R(1.2e-7)
 #define LANDING R(1e-5)
 #endif
+
+#define SMALLEST (R(1e-4) * LANDING) /* step, of the cell's step cap: taken whatever its error */
 
 #if INTEGRATOR_IS_RICHARDSON
 #define INTEGRATOR_STEP richardson_step
@@ -127,13 +127,15 @@ DEVICE void cross_edges(March *w, INDEX_TABLE table, const TraceSettings *settin
 
 /* Notes a change of heading; two turning points, one upper and one lower, mean the ray is trapped. */
 DEVICE void note_turning_points(March *w, const RaySlope *slope, mask rising_now, mask rising_before) {
-  const mask turned = (rising_now & !rising_before) | (!rising_now & rising_before);
+  const mask turned = (rising_now & (!rising_before)) | ((!rising_now) & rising_before);
   if (!any_lane(turned)) return;
   const real extreme = w->y.z_m - R(0.5) * w->y.rise * w->y.rise / (slope->rise != R(0) ? slope->rise : SPREAD(1));
   w->min_z_m = turned ? smaller(w->min_z_m, extreme) : w->min_z_m;
   w->max_z_m = turned ? larger(w->max_z_m, extreme) : w->max_z_m;
   w->turning_points += turned ? SPREAD_INT(1) : SPREAD_INT(0);
-  w->outcome = (w->outcome == RAY_RUNNING) & (w->turning_points >= 2) ? SPREAD_INT(RAY_TRAPPED) : w->outcome;
+  /* A ray asked for at a distance goes on to it, trapped or not. */
+  const mask trapped = (w->outcome == RAY_RUNNING) & (w->turning_points >= 2) & (w->sigma_end_m >= R(ENDLESS_M));
+  w->outcome = trapped ? SPREAD_INT(RAY_TRAPPED) : w->outcome;
 }
 
 /* Tries one step of every running lane; keeps it where it is accurate and stays in its cell. */
@@ -141,14 +143,15 @@ DEVICE void try_step(March *w, const RaySlope *slope, const TraceSettings *setti
   const Medium *m = &w->medium;
   const real to_edge = sigma_to_edge(m, &w->y, slope, w->heading);
   const real allowed = smaller(smaller(to_edge, m->cell.step_cap_m), w->sigma_end_m - w->sigma_m);
-  const real h = larger(smaller(w->step_m, allowed), R(1e-6) * m->cell.step_cap_m);
+  const real smallest_m = SMALLEST * m->cell.step_cap_m;
+  const real h = larger(smaller(w->step_m, allowed), smallest_m);
 
   real error;
   const RayState end = INTEGRATOR_STEP(m, &w->y, slope, h, &error);
   const real tolerance = settings->tolerance_rad + R(2) * ROUNDING * magnitude(end.rise);
   const real beyond = beyond_edge_m(&m->cell, w->heading, end.z_m);
   const mask overshot = beyond > R(4) * landing_tolerance_m(&m->cell, end.z_m);
-  const mask smallest = h <= R(2e-6) * m->cell.step_cap_m;
+  const mask smallest = h <= R(2) * smallest_m;
   const mask accepted = running & (((error <= tolerance) & !overshot) | smallest);
 
   /* Next step: fourth root, a little below the classical fifth (or third) so that no power function is needed. */
@@ -248,4 +251,3 @@ DEVICE void record(const March *w, GLOBAL RayEnd *ends, int first, int last) {
   }
 }
 
-#endif

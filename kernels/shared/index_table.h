@@ -8,8 +8,6 @@
      texel 1  bottom_m, thickness_m, log_index (ln n at the bottom), step_cap_m
      texel 2  density[4]: cubic of the air density in t                [kg/m^3]
    n itself is never stored: in float n - 1 would keep 12 bits. */
-#ifndef GREENRAY_INDEX_TABLE_H
-#define GREENRAY_INDEX_TABLE_H
 
 #define INDEX_CELL_TEXELS 3
 #define INDEX_CELL_SCALARS 12
@@ -23,4 +21,3 @@ typedef struct IndexCell {
   scalar density[4];
 } IndexCell;
 
-#endif

@@ -1,6 +1,4 @@
 /* What crosses the bus for one ray: where it starts, and all that is known at its end. */
-#ifndef GREENRAY_RAY_H
-#define GREENRAY_RAY_H
 
 /* Start, prepared by the host in double (host/render/launch.cpp).
    run and rise are the two components of N (cos e, sin e), N the flattened index at the start and e the elevation:
@@ -9,7 +7,7 @@ typedef struct RayStart {
   scalar z_m;         /* flattened height */
   scalar run;         /* N cos e */
   scalar rise;        /* N sin e */
-  scalar sigma_end_m; /* stop here: surface distance / run; huge for "until it leaves" */
+  scalar sigma_end_m; /* stop here: surface distance / run; ENDLESS_M or more: until it leaves */
   int row;            /* wavelength: row of the index table */
   int cell;           /* cell that holds z_m */
 } RayStart;
@@ -24,6 +22,8 @@ enum RayOutcome {
   RAY_NOT_FINITE = 6,
   RAY_OUTCOMES = 7
 };
+
+#define ENDLESS_M 1e20 /* of sigma: no end */
 
 typedef struct RayEnd {
   scalar z_m, run, rise;
@@ -47,4 +47,3 @@ typedef struct Absorbers {
   scalar aerosol_scale_m;
 } Absorbers;
 
-#endif

@@ -4,6 +4,7 @@ Nothing here is shared with greenray itself.  Temperatures K, pressures Pa, heig
 wavelengths nm.  Every formula is written for complex h, so that derivatives are exact complex steps:
 f'(h) = Im f(h + i e)/e, with no hand-derived derivative that could repeat a mistake.
 """
+import itertools
 import math
 import tomllib
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 from numba import njit
 
 R0_GEOPOTENTIAL = 6356766.0      # m, US76
-K_HYDROSTATIC = 0.0341631947     # K/m, g0 M0/R* of US76
+K_HYDROSTATIC = 9.80665 * 28.9644 / 8314.32   # K/m, g0 M0/R* of US76 = 0.03416319474 (0.0341631947 moves R by 2e-6")
 TOP_M = 120000.0                 # end of the air
 US76_BASES = [0.0, 11000.0, 20000.0, 32000.0, 47000.0, 51000.0, 71000.0, 84852.0]
 US76_LAPSES = [-0.0065, 0.0, 0.001, 0.0028, 0.0, -0.0028, -0.002, 0.0]
@@ -188,6 +189,7 @@ def fritsch_carlson(x, y):
 
 class Profile:
     """A profile in the contract's TOML, or `us76`.  `virtual` picks the humid hydrostatic rule."""
+    _serials = itertools.count()
 
     def __init__(self, source="us76", virtual=False, **override):
         spec = {} if source == "us76" else tomllib.loads(Path(source).read_text())
@@ -195,6 +197,7 @@ class Profile:
         self.name = "us76" if source == "us76" else Path(source).stem
         if spec.get("smooth_m", 0):
             raise ValueError("smooth_m is out of the oracle's scope")
+        self.serial = next(Profile._serials)          # key of the caches elsewhere
         self.earth_radius = spec.get("earth_radius_m", 6371000.0)
         self.p0 = spec.get("surface_pressure_Pa", 101325.0)
         self.exaggerate = spec.get("exaggerate", 1.0)

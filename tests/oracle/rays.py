@@ -217,7 +217,7 @@ _LN_P = {}
 
 def ode(profile, h0, b0, nm, stops=(), flat=False):
     """Ray by the ODE.  With stops: list of (status, h, b, bending, optical path, turning) at surface distances too."""
-    key = (id(profile), h0)
+    key = (profile.serial, h0)
     if key not in _LN_P:
         _LN_P[key] = ln_pressure_integrated(profile, h0)
     stops = np.asarray(stops, float)
@@ -243,16 +243,16 @@ def ln_nr(h, N, hr, Nr, radius):
 
 
 @njit(cache=True)
-def ln_nr_near(h, hr, N, Nr, c, inv, lay, model, dry, wet, ex, virtual, radius):
-    """As ln_nr, but close to hr by integrating the slope, whose relative error stays small as h -> hr."""
-    if hr < c[0] or hr > c[1] or abs(h - hr) > 0.02 * (c[1] - c[0]):
+def ln_nr_near(h, delta, hr, N, Nr, c, inv, lay, model, dry, wet, ex, virtual, radius):
+    """As ln_nr, but close to hr by integrating the slope, whose relative error stays small as delta = h - hr -> 0."""
+    if hr < c[0] or hr > c[1] or abs(delta) > 0.02 * (c[1] - c[0]):
         return ln_nr(h, N, hr, Nr, radius)
     total = 0.0
     for i in range(GX6.size):
-        x = 0.5 * (h + hr) + 0.5 * (h - hr) * GX6[i]
+        x = hr + 0.5 * delta * (1.0 + GX6[i])
         n1, dn, _ = refractivity_at(x, c, inv, lay, model, dry, wet, ex, virtual)
         total += GW6[i] * (dn / (1.0 + n1) + (0.0 if radius == 0.0 else 1.0 / (radius + x)))
-    return 0.5 * (h - hr) * total
+    return 0.5 * delta * total
 
 
 @njit(cache=True)
@@ -261,9 +261,16 @@ def gauss(u0, u1, ha, hb, c, hr, Nr, s2, c2, inv, lay, model, dry, wet, ex, virt
     for i in range(GX.size):
         w = 0.5 * (u0 + u1) + 0.5 * (u1 - u0) * GX[i]
         h = ha + (hb - ha) * w * w * (3.0 - 2.0 * w)
+        if ha == hr:                                     # h itself is too coarse a number close to the turning point
+            delta = (hb - ha) * w * w * (3.0 - 2.0 * w)
+        elif hb == hr:
+            delta = (ha - hb) * (1.0 - w) ** 2 * (1.0 + 2.0 * w)
+        else:
+            delta = h - hr
         jac = 0.5 * (u1 - u0) * GW[i] * abs(hb - ha) * 6.0 * w * (1.0 - w)
         N, dN, rho = refractivity_at(h, c, inv, lay, model, dry, wet, ex, virtual)
-        sin2 = s2 - c2 * math.expm1(-2.0 * ln_nr_near(h, hr, N, Nr, c, inv, lay, model, dry, wet, ex, virtual, radius))
+        sin2 = s2 - c2 * math.expm1(-2.0 * ln_nr_near(h, delta, hr, N, Nr, c, inv, lay, model, dry, wet, ex, virtual,
+                                                           radius))
         if sin2 <= 0.0:
             continue
         sb, cb = math.sqrt(sin2), math.sqrt(max(0.0, 1.0 - sin2))
@@ -291,7 +298,7 @@ def piece(ha, hb, c, hr, Nr, s2, c2, inv, lay, model, dry, wet, ex, virtual, rad
         ok = True
         for i in range(4):
             v = left[i] + right[i]
-            if abs(v - whole[i]) > 2e-13 * abs(v) + (1e-17 if i == 0 else 1e-12):
+            if abs(v - whole[i]) > 2e-13 * abs(v) + 1e-13 * abs(acc[i]) + (1e-16 if i == 0 else 1e-9):
                 ok = False
         if ok or b - a < 2e-4 or top > 60:
             acc += left + right
@@ -386,7 +393,7 @@ _LANES = {}
 
 def lanes_of(profile, nm, flat):
     """Cell edges plus the heights where d ln(n r)/dh = 0, and the cell that owns each lane."""
-    key = (id(profile), nm, flat)
+    key = (profile.serial, nm, flat)
     if key in _LANES:
         return _LANES[key]
     args = profile.args(nm)[1:]

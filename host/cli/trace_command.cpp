@@ -1,0 +1,91 @@
+// greenray trace: where rays are after given distances along the surface.
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "atmosphere/profile_file.hpp"
+#include "cli/commands.hpp"
+#include "render/refraction.hpp"
+#include "support/version.hpp"
+
+namespace greenray::cli {
+namespace {
+
+TraceRequest request_from(const Arguments &a) {
+  TraceRequest request;
+  request.height_m = a.number("--height", 0, 1e7, "m above the surface");
+  request.altitudes_deg = a.list("--altitudes", -90, 90, "degrees");
+  request.wavelengths_nm = a.list("--wavelengths", 200, 2000, "nm");
+  request.distances_m = a.list("--distances", 0, 1e8, "m along the surface");
+  request.precision = precision_of(a, Precision::double_);
+  request.flat = a.choice("--surface", {"sphere", "flat"}, "sphere") == "flat";
+  const std::string method = a.choice("--method", {"auto", "rk", "richardson", "cells"}, "auto");
+  if (method == "cells") a.fail("--method", "closed-form cells are not built yet in this version: expected auto | rk | richardson");
+  request.integrator = method == "richardson" ? Integrator::richardson : Integrator::dormand_prince;
+  const bool single = request.precision == Precision::single_;
+  request.tolerance_arcsec = a.optional_number("--tolerance", 1e-6, 3600, "arcsec").value_or(single ? 1e-3 : method == "richardson" ? 1e-3 : 1e-6);
+  return request;
+}
+
+std::string as_csv(const std::vector<TraceRow> &rows, const TraceRequest &request, const Profile &profile) {
+  std::ostringstream out;
+  out << "# greenray " << version() << " trace, profile " << profile.spec().name << ", eye at " << digits(request.height_m)
+      << " m, " << (request.flat ? "flat" : "sphere") << "\n";
+  if (profile.spec().exaggerate != 1)
+    out << "# the refractivity is exaggerated " << digits(profile.spec().exaggerate) << " times\n";
+  out << "apparent_altitude_deg,wavelength_nm,distance_m,status,height_m,elevation_deg,bending_arcsec,optical_path_m\n";
+  for (const TraceRow &r : rows)
+    out << digits(r.apparent_altitude_deg) << ',' << digits(r.wavelength_nm) << ',' << digits(r.distance_m) << ','
+        << outcome_name(r.outcome) << ',' << digits(r.height_m) << ',' << digits(r.elevation_deg) << ','
+        << digits(r.bending_arcsec) << ',' << digits(r.optical_path_m) << '\n';
+  return out.str();
+}
+
+std::string as_json(const std::vector<TraceRow> &rows, const TraceRequest &request, const Profile &profile) {
+  nlohmann::json out{{"version", version()},
+                     {"profile", profile.spec().name},
+                     {"height_m", request.height_m},
+                     {"surface", request.flat ? "flat" : "sphere"},
+                     {"exaggerate", profile.spec().exaggerate},
+                     {"rows", nlohmann::json::array()}};
+  for (const TraceRow &r : rows)
+    out["rows"].push_back({{"apparent_altitude_deg", r.apparent_altitude_deg},
+                           {"wavelength_nm", r.wavelength_nm},
+                           {"distance_m", r.distance_m},
+                           {"status", outcome_name(r.outcome)},
+                           {"height_m", r.height_m},
+                           {"elevation_deg", r.elevation_deg},
+                           {"bending_arcsec", r.bending_arcsec},
+                           {"optical_path_m", r.optical_path_m}});
+  return out.dump(1) + "\n";
+}
+
+int run(const Arguments &a) {
+  const TraceRequest request = request_from(a);
+  const Profile profile(load_profile(a.positional()[0], ".", a.positional_place(0)));
+  const std::vector<TraceRow> rows = trace_table(profile, request, open_device(device_options(a)));
+  const bool json = a.choice("--format", {"csv", "json"}, a.has("--json") ? "json" : "csv") == "json";
+  emit(a, json ? as_json(rows, request, profile) : as_csv(rows, request, profile));
+  return 0;
+}
+
+}  // namespace
+
+Command trace_command() {
+  return {with_common({"trace",
+                       "PROFILE",
+                       "Rays from the eye: height, elevation, bending and optical path at distances along the surface.",
+                       {{"--height", "", "M", "eye above the surface [m]", true},
+                        {"--altitudes", "", "LIST", "apparent altitudes [deg]: a,b,c or FROM:TO:STEP", true},
+                        {"--wavelengths", "", "LIST", "vacuum wavelengths [nm]", true},
+                        {"--distances", "", "LIST", "distances along the surface [m]", true},
+                        {"--surface", "", "S", "sphere (default) | flat"},
+                        {"--precision", "", "P", "float | double (default)"},
+                        {"--method", "", "M", "auto | rk | richardson"},
+                        {"--tolerance", "", "ARCSEC", "local accuracy of direction"},
+                        {"--plot", "", "FILE.svg", "draw the rays, height against distance"},
+                        {"--format", "", "F", "csv (default) | json"},
+                        {"--output", "-o", "FILE", "write to a file"}}}),
+          run};
+}
+
+}  // namespace greenray::cli

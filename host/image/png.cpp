@@ -1,0 +1,180 @@
+#include "image/png.hpp"
+
+#include <png.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csetjmp>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "image/colour.hpp"
+#include "support/error.hpp"
+
+namespace greenray {
+
+namespace {
+
+/// PCG output function of a counter: the same noise whatever the order of pixels.
+std::uint32_t hashed(std::uint32_t value) {
+  const std::uint32_t state = value * 747796405U + 2891336453U;
+  const std::uint32_t word = ((state >> ((state >> 28U) + 4U)) ^ state) * 277803737U;
+  return (word >> 22U) ^ word;
+}
+
+double uniform(std::uint32_t value) { return hashed(value) * (1.0 / 4294967296.0); }
+
+/// Triangular in (-1, 1), fixed seed.
+double triangular_noise(std::size_t sample) {
+  constexpr std::uint32_t seed = 0x9E3779B9U;
+  const auto counter = static_cast<std::uint32_t>(2 * sample);
+  return uniform(counter ^ seed) - uniform((counter + 1U) ^ seed);
+}
+
+/// libpng reports by longjmp; the message waits here, on the heap, until we are back in C++.
+struct PngProblem {
+  char message[200] = "";
+};
+
+void on_error(png_structp png, png_const_charp message) {
+  auto *problem = static_cast<PngProblem *>(png_get_error_ptr(png));
+  std::snprintf(problem->message, sizeof problem->message, "%s", message);
+  png_longjmp(png, 1);
+}
+
+void on_warning(png_structp, png_const_charp) {}
+
+void append_bytes(png_structp png, png_bytep bytes, png_size_t count) {
+  auto *all = static_cast<std::vector<char> *>(png_get_io_ptr(png));
+  all->insert(all->end(), bytes, bytes + count);
+}
+
+void no_flush(png_structp) {}
+
+/// Rows as PNG stores them: big-endian.
+std::vector<png_byte> png_bytes(const Raster &raster) {
+  if (raster.bits == 8) return {raster.rgb.begin(), raster.rgb.end()};
+  std::vector<png_byte> bytes;
+  bytes.reserve(2 * raster.rgb.size());
+  for (const std::uint16_t value : raster.rgb) {
+    bytes.push_back(static_cast<png_byte>(value >> 8U));
+    bytes.push_back(static_cast<png_byte>(value & 0xFFU));
+  }
+  return bytes;
+}
+
+/// Everything with a destructor is the caller's, so a longjmp out of libpng skips none.
+bool encode(png_structp png, png_infop info, const Raster &raster, const std::vector<png_bytep> &rows) {
+  if (setjmp(png_jmpbuf(png))) return false;
+  png_set_IHDR(png, info, static_cast<png_uint_32>(raster.width), static_cast<png_uint_32>(raster.height), raster.bits,
+               PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+  png_write_info(png, info);
+  png_write_image(png, const_cast<png_bytepp>(rows.data()));
+  png_write_end(png, info);
+  return true;
+}
+
+/// First half of reading: header and conversions to plain RGB.
+bool decode_header(png_structp png, png_infop info, std::FILE *stream) {
+  if (setjmp(png_jmpbuf(png))) return false;
+  png_init_io(png, stream);
+  png_read_info(png, info);
+  png_set_expand(png);
+  png_set_gray_to_rgb(png);
+  png_set_strip_alpha(png);
+  png_read_update_info(png, info);
+  return true;
+}
+
+bool decode_rows(png_structp png, const std::vector<png_bytep> &rows) {
+  if (setjmp(png_jmpbuf(png))) return false;
+  png_read_image(png, const_cast<png_bytepp>(rows.data()));
+  png_read_end(png, nullptr);
+  return true;
+}
+
+std::vector<png_bytep> row_pointers(std::vector<png_byte> &bytes, std::size_t height) {
+  std::vector<png_bytep> rows(height);
+  for (std::size_t y = 0; y < height; ++y) rows[y] = bytes.data() + y * (bytes.size() / height);
+  return rows;
+}
+
+struct Reader {
+  PngProblem problem;
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &problem, on_error, on_warning);
+  png_infop info = png ? png_create_info_struct(png) : nullptr;
+  Reader() = default;
+  Reader(const Reader &) = delete;
+  Reader &operator=(const Reader &) = delete;
+  ~Reader() { png_destroy_read_struct(&png, &info, nullptr); }
+};
+
+}  // namespace
+
+Raster quantise(const RgbImage &display_linear, int bits, bool dither) {
+  if (bits != 8 && bits != 16) throw std::invalid_argument("a PNG has 8 or 16 bits");
+  const double full = bits == 8 ? 255.0 : 65535.0;
+  Raster raster{display_linear.width, display_linear.height, bits, {}};
+  raster.rgb.resize(display_linear.rgb.size());
+  for (std::size_t i = 0; i < raster.rgb.size(); ++i) {
+    const auto linear = static_cast<double>(display_linear.rgb[i]);
+    double level = linear > 0 ? full * srgb_encode(std::min(linear, 1.0)) : 0.0;  // NaN fails the comparison
+    if (dither) level += triangular_noise(i) * std::min({1.0, level, full - level});
+    raster.rgb[i] = static_cast<std::uint16_t>(std::lround(std::clamp(level, 0.0, full)));
+  }
+  return raster;
+}
+
+void write_png(AtomicFile &file, const Raster &raster) {
+  const std::size_t samples = 3 * static_cast<std::size_t>(raster.width) * static_cast<std::size_t>(raster.height);
+  if (samples == 0 || raster.rgb.size() != samples || (raster.bits != 8 && raster.bits != 16))
+    throw std::invalid_argument("PNG pixels do not fit the size of the picture");
+  std::vector<png_byte> bytes = png_bytes(raster);
+  const std::vector<png_bytep> rows = row_pointers(bytes, static_cast<std::size_t>(raster.height));
+  std::vector<char> encoded;
+  PngProblem problem;
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &problem, on_error, on_warning);
+  png_infop info = png ? png_create_info_struct(png) : nullptr;
+  bool done = false;
+  if (info) {
+    png_set_write_fn(png, &encoded, append_bytes, no_flush);
+    done = encode(png, info, raster, rows);
+  }
+  png_destroy_write_struct(&png, &info);
+  if (!done) throw RunError("cannot write " + file.target().string() + ": " + problem.message);
+  file.write(encoded.data(), encoded.size());
+}
+
+void write_png(const std::filesystem::path &path, const Raster &raster) {
+  AtomicFile file(path);
+  write_png(file, raster);
+  file.commit();
+}
+
+Raster read_png(const std::filesystem::path &path) {
+  const SourcePlace place{path.string(), 1, 1};
+  const std::unique_ptr<std::FILE, int (*)(std::FILE *)> stream(std::fopen(path.c_str(), "rb"), &std::fclose);
+  if (!stream) throw InputError(place, "expected a PNG file, found no readable file");
+  Reader reader;
+  if (!reader.info) throw RunError("libpng " PNG_LIBPNG_VER_STRING " does not start");
+  const auto damaged = [&] {
+    return InputError(place, std::string("not a readable PNG file (") + reader.problem.message + ")");
+  };
+  if (!decode_header(reader.png, reader.info, stream.get())) throw damaged();
+  Raster raster;
+  raster.width = static_cast<int>(png_get_image_width(reader.png, reader.info));
+  raster.height = static_cast<int>(png_get_image_height(reader.png, reader.info));
+  raster.bits = png_get_bit_depth(reader.png, reader.info);
+  const auto height = static_cast<std::size_t>(raster.height);
+  std::vector<png_byte> bytes(height * png_get_rowbytes(reader.png, reader.info));
+  if (!decode_rows(reader.png, row_pointers(bytes, height))) throw damaged();
+  const std::size_t width_bytes = raster.bits == 16 ? 2 : 1;
+  raster.rgb.resize(bytes.size() / width_bytes);
+  for (std::size_t i = 0; i < raster.rgb.size(); ++i)
+    raster.rgb[i] = width_bytes == 1 ? bytes[i] : static_cast<std::uint16_t>(bytes[2 * i] << 8 | bytes[2 * i + 1]);
+  return raster;
+}
+
+}  // namespace greenray

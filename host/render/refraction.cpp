@@ -1,0 +1,153 @@
+#include "render/refraction.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/launch.hpp"
+#include "support/angle.hpp"
+
+namespace greenray {
+namespace {
+
+/// One choice of table and step tolerance.
+struct Setting {
+  double table_arcsec, step_rad;
+  Precision precision;
+};
+
+/// Local errors of some hundred steps add up, mostly of one sign; a tenth of the tolerance each was measured to be safe
+/// (docs/method.md, "Error control").
+Setting setting_for(double tolerance_arcsec, Precision precision) {
+  const bool single = precision == Precision::single_;
+  const double table_arcsec = std::clamp(tolerance_arcsec / 4, single ? 1e-4 : 1e-8, 1.0);
+  const double step_rad = std::clamp(from_arcsec(tolerance_arcsec / 20), single ? 1e-10 : 1e-14, 1e-5);
+  return {table_arcsec, step_rad, precision};
+}
+
+struct Traced {
+  std::vector<f64::RayEnd> ends;
+  std::size_t cells_per_row;
+  TraceStats stats;
+};
+
+Traced trace_with(const Setting &setting, const Profile &profile, const RefractionRequest &request,
+                  const std::shared_ptr<Device> &device) {
+  const IndexTable table =
+      build_index_table(profile, request.wavelengths_nm, {request.flat, setting.table_arcsec, request.height_m});
+  std::vector<f64::RayStart> starts;
+  for (double altitude : request.altitudes_deg)
+    for (std::size_t row = 0; row < request.wavelengths_nm.size(); ++row)
+      starts.push_back(launch(table, row, request.height_m, to_rad(altitude)));
+  TraceOptions options;
+  options.precision = setting.precision;
+  options.integrator = request.integrator;
+  options.tolerance_rad = setting.step_rad;
+  options.max_steps = 1000000;
+  RayTracer tracer(device, table, options);
+  Traced traced{tracer.trace(starts), table.cells_per_row, {}};
+  traced.stats = tracer.stats();
+  return traced;
+}
+
+double error_of(const f64::RayEnd &a, const f64::RayEnd &b) {
+  return a.outcome == b.outcome ? to_arcsec(std::abs(a.bending_rad - b.bending_rad)) : 1e9;
+}
+
+double worst_error(const std::vector<f64::RayEnd> &kept, const std::vector<f64::RayEnd> &check) {
+  double worst = 0;
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    if (kept[i].outcome == f64::RAY_SPACE) worst = std::max(worst, error_of(kept[i], check[i]));
+  return worst;
+}
+
+RefractionRow make_row(const RefractionRequest &request, std::size_t i, const f64::RayEnd &end, double curvature_per_m,
+                       double zenith_column) {
+  const std::size_t wavelengths = request.wavelengths_nm.size();
+  RefractionRow row{};
+  row.apparent_altitude_deg = request.altitudes_deg[i / wavelengths];
+  row.wavelength_nm = request.wavelengths_nm[i % wavelengths];
+  row.outcome = end.outcome;
+  row.turning_points = end.turning_points;
+  const bool ended = end.outcome == f64::RAY_SPACE || end.outcome == f64::RAY_GROUND;
+  if (ended) {
+    row.refraction_arcsec = to_arcsec(end.bending_rad);
+    row.ground_distance_m = end.run * end.sigma_m;
+    if (zenith_column > 0) row.air_mass = end.column[0] / zenith_column;
+  }
+  if (end.outcome == f64::RAY_SPACE) row.true_altitude_deg = row.apparent_altitude_deg - to_deg(end.bending_rad);
+  row.min_height_m = f64::geometric_height_m(end.min_z_m, curvature_per_m);
+  row.max_height_m = f64::geometric_height_m(end.max_z_m, curvature_per_m);
+  return row;
+}
+
+}  // namespace
+
+RefractionTable refraction_table(const Profile &profile, const RefractionRequest &request,
+                                 const std::shared_ptr<Device> &device) {
+  const bool single = request.precision == Precision::single_;
+  const bool check_in_double = single && device->info().has_double;
+  double tolerance = request.tolerance_arcsec;
+  Traced kept, check;
+  double error = 0;
+  for (int attempt = 0; attempt < 4; ++attempt) {
+    const Setting fine = setting_for(tolerance / 8, request.precision);
+    Setting other = setting_for(check_in_double ? tolerance / 8 : tolerance, request.precision);
+    if (check_in_double) other = setting_for(tolerance / 64, Precision::double_);
+    kept = trace_with(fine, profile, request, device);
+    check = trace_with(other, profile, request, device);
+    error = worst_error(kept.ends, check.ends);
+    const bool at_the_floor = fine.table_arcsec <= (single ? 1e-4 : 1e-8) && fine.step_rad <= (single ? 1e-10 : 1e-14);
+    if (error <= request.tolerance_arcsec || at_the_floor) break;
+    tolerance /= 10;
+  }
+
+  const double curvature = request.flat ? 0 : 1 / profile.spec().earth_radius_m;
+  const double zenith = profile.zenith_column_kg_m2(request.height_m);
+  RefractionTable result;
+  result.cells_per_row = kept.cells_per_row;
+  result.stats = kept.stats;
+  for (std::size_t i = 0; i < kept.ends.size(); ++i) {
+    RefractionRow row = make_row(request, i, kept.ends[i], curvature, zenith);
+    row.error_arcsec = error_of(kept.ends[i], check.ends[i]);
+    if (row.outcome == f64::RAY_SPACE) {
+      result.error_arcsec = std::max(result.error_arcsec, row.error_arcsec);
+      result.rows_over_tolerance += row.error_arcsec > request.tolerance_arcsec;
+    }
+    result.rows.push_back(row);
+  }
+  return result;
+}
+
+std::vector<TraceRow> trace_table(const Profile &profile, const TraceRequest &request,
+                                  const std::shared_ptr<Device> &device) {
+  const Setting setting = setting_for(request.tolerance_arcsec, request.precision);
+  const IndexTable table =
+      build_index_table(profile, request.wavelengths_nm, {request.flat, setting.table_arcsec, request.height_m});
+  std::vector<f64::RayStart> starts;
+  std::vector<TraceRow> rows;
+  for (double altitude : request.altitudes_deg)
+    for (std::size_t w = 0; w < request.wavelengths_nm.size(); ++w)
+      for (double distance_m : request.distances_m) {
+        starts.push_back(launch(table, w, request.height_m, to_rad(altitude), distance_m));
+        rows.push_back({altitude, request.wavelengths_nm[w], distance_m, 0, 0, 0, 0, 0});
+      }
+  TraceOptions options;
+  options.precision = setting.precision;
+  options.integrator = request.integrator;
+  options.tolerance_rad = setting.step_rad;
+  options.max_steps = 1000000;
+  RayTracer tracer(device, table, options);
+  const std::vector<f64::RayEnd> ends = tracer.trace(starts);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const f64::RayEnd &end = ends[i];
+    const bool trapped = end.outcome == f64::RAY_IN_FLIGHT && end.turning_points >= 2;
+    rows[i].outcome = trapped ? static_cast<int>(f64::RAY_TRAPPED) : end.outcome;
+    rows[i].height_m = f64::geometric_height_m(end.z_m, table.curvature_per_m);
+    rows[i].elevation_deg = to_deg(std::atan2(end.rise, end.run));
+    rows[i].bending_arcsec = to_arcsec(end.bending_rad);
+    rows[i].optical_path_m = end.optical_path_m;
+  }
+  return rows;
+}
+
+}  // namespace greenray

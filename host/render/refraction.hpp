@@ -1,0 +1,65 @@
+// Refraction tables: for apparent altitudes and wavelengths, where the light comes from, and how well that is known.
+#pragma once
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "atmosphere/profile.hpp"
+#include "compute/ray_tracer.hpp"
+
+namespace greenray {
+
+struct RefractionRequest {
+  double height_m = 0;                      // of the eye
+  std::vector<double> altitudes_deg;        // apparent: above the horizontal, in the air there
+  std::vector<double> wavelengths_nm;
+  Precision precision = Precision::double_;
+  Integrator integrator = Integrator::dormand_prince;
+  double tolerance_arcsec = 1e-4;           // bounds the error of refraction for rays that reach space, the table's included
+  bool flat = false;
+};
+
+struct RefractionRow {
+  double apparent_altitude_deg, wavelength_nm;
+  int outcome;                              // RayOutcome
+  std::optional<double> refraction_arcsec;  // space: total; ground: up to the hit
+  std::optional<double> true_altitude_deg, air_mass;
+  double min_height_m, max_height_m;
+  std::optional<double> ground_distance_m;
+  int turning_points;
+  double error_arcsec;                      // estimate: difference of two settings (table, tolerance, precision)
+};
+
+struct RefractionTable {
+  std::vector<RefractionRow> rows;          // altitudes outermost, in the order given
+  std::size_t cells_per_row = 0;
+  double error_arcsec = 0;                  // largest estimate over rows with status space
+  std::size_t rows_over_tolerance = 0;
+  TraceStats stats;
+};
+
+/// Traces twice, with a coarser and a finer table and step tolerance, and tightens both until the difference is within the
+/// tolerance; in float the finer one is in double where the device has it, so that rounding is part of the estimate.
+RefractionTable refraction_table(const Profile &profile, const RefractionRequest &request,
+                                 const std::shared_ptr<Device> &device);
+
+struct TraceRequest {
+  double height_m = 0;
+  std::vector<double> altitudes_deg, wavelengths_nm, distances_m;
+  Precision precision = Precision::double_;
+  Integrator integrator = Integrator::dormand_prince;
+  double tolerance_arcsec = 1e-4;
+  bool flat = false;
+};
+
+struct TraceRow {
+  double apparent_altitude_deg, wavelength_nm, distance_m;
+  int outcome;          // in flight, or what ended it before the distance
+  double height_m, elevation_deg, bending_arcsec, optical_path_m;  // at the distance, or where it ended
+};
+
+/// Where each ray is after a distance along the surface. Rows: altitude outermost, then wavelength, then distance.
+std::vector<TraceRow> trace_table(const Profile &profile, const TraceRequest &request,
+                                  const std::shared_ptr<Device> &device);
+
+}  // namespace greenray

@@ -1,0 +1,233 @@
+#include "scene/scene_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "atmosphere/profile_file.hpp"
+#include "support/embedded.hpp"
+#include "support/toml_reader.hpp"
+
+namespace greenray {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Rooms, meshes and photons are another kind of scene: said once, instead of a complaint about each of their keys.
+void refuse_geometry(const TomlTable &root) {
+  const std::string message =
+      "scenes with geometry are not built yet in this version; a sky scene has [atmosphere], "
+      "[observer] and [sun]";
+  for (const char *key : {"camera", "mesh", "light", "photons"})
+    if (root.has(key)) throw InputError(root.place(key), "'" + std::string(key) + "': " + message);
+  if (root.holds_table("atmosphere") && root.table("atmosphere").has("field"))
+    throw InputError(root.table("atmosphere").place("field"), "'atmosphere.field': " + message);
+}
+
+void read_header(const TomlTable &root, Scene &scene) {
+  int version = 1;
+  const char *expected = "1, the version of the scene format";
+  if (root.require("greenray", expected) && root.read("greenray", version, {0, 1e9}) && version != 1)
+    root.complain("greenray", std::string("expected ") + expected + ", found " + std::to_string(version));
+  root.read("title", scene.title);
+}
+
+void read_aerosol(const TomlTable &aerosol, AtmosphereScene &air) {
+  aerosol.read("visibility_km", air.visibility_km, {0, 1000, "km", true});
+  aerosol.read("turbidity", air.turbidity, {1, 100});
+  aerosol.read("angstrom", air.angstrom, {-1, 5});
+  aerosol.read("scale_height_m", air.aerosol_scale_height_m, {0, 1e5, "m", true});
+  if (aerosol.has("visibility_km") && aerosol.has("turbidity"))
+    aerosol.complain("turbidity", "expected either visibility_km or turbidity, found both");
+}
+
+/// [atmosphere]: the profile is loaded first, then the keys that change it.
+void read_atmosphere(TomlDocument &document, const TomlTable &table, const std::string &folder, AtmosphereScene &air) {
+  table.read("profile", air.profile_source);
+  try {
+    air.profile = load_profile(air.profile_source, folder, table.place("profile"));
+  } catch (const InputError &error) {
+    document.complain(error);
+  }
+  table.read_word("surface", air.surface, {{"sphere", Surface::sphere}, {"flat", Surface::flat}});
+  double radius_km = 0;
+  if (table.read("radius_km", radius_km, {1, 1e6, "km"})) air.profile.earth_radius_m = 1000 * radius_km;
+  table.read_word("dispersion", air.profile.index, index_model_words());
+  double exaggerate = 1;
+  if (table.read("exaggerate", exaggerate, {0, 1e6, "", true})) air.profile.exaggerate *= exaggerate;
+  table.read("humidity", air.humidity);
+  table.read("extinction", air.extinction);
+  table.read("ozone_DU", air.ozone_DU, {0, 2000, "DU"});
+  read_aerosol(table.table("aerosol"), air);
+}
+
+void read_observer(const TomlTable &table, ObserverScene &observer) {
+  table.read("height_m", observer.height_m, {0, 1e7, "m"});
+  table.read("azimuth_deg", observer.azimuth_deg, {-360, 360, "deg"});
+  table.read("altitude_deg", observer.altitude_deg, {-90, 90, "deg"});
+  table.read("fov_deg", observer.fov_deg, {0, 180, "deg", true, true});
+  std::vector<double> size;
+  if (!table.read("resolution", size, {1, 16384, "pixels"})) return;
+  if (size.size() != 2 || size[0] != std::floor(size[0]) || size[1] != std::floor(size[1]))
+    return table.complain("resolution", "expected [width, height], two whole numbers of pixels");
+  observer.resolution = {static_cast<int>(size[0]), static_cast<int>(size[1])};
+}
+
+void read_sun(const TomlTable &table, SunScene &sun) {
+  const Limits altitude{-90, 90, "deg"};
+  const bool by_date = table.has("when") | table.has("place");
+  if (by_date)
+    table.complain(table.has("when") ? "when" : "place",
+                   "sun by date and place is not built yet: give altitude_deg or apparent_altitude_deg");
+  if (table.read("altitude_deg", sun.altitude_deg, altitude)) sun.given = SunScene::Given::true_altitude;
+  if (table.read("apparent_altitude_deg", sun.altitude_deg, altitude)) sun.given = SunScene::Given::apparent_altitude;
+  const bool has_true = table.has("altitude_deg"), has_apparent = table.has("apparent_altitude_deg");
+  if (has_true && has_apparent)
+    table.complain("apparent_altitude_deg", "expected either altitude_deg or apparent_altitude_deg, found both");
+  if (table.exists() && !by_date && !has_true && !has_apparent)
+    table.require("altitude_deg", altitude.text() + " (true), or apparent_altitude_deg (as seen)");
+  table.read_word("at", sun.part,
+                  {{"centre", SunScene::Part::centre},
+                   {"upper-limb", SunScene::Part::upper_limb},
+                   {"lower-limb", SunScene::Part::lower_limb}});
+  table.read("azimuth_deg", sun.azimuth_deg, {-360, 360, "deg"});
+  table.read("diameter_arcmin", sun.diameter_arcmin, {0, 5400, "arcmin", true});
+  table.read("limb_darkening", sun.limb_darkening);
+}
+
+void read_spectrum(const TomlTable &table, SpectrumScene &spectrum) {
+  std::vector<double> range;
+  if (table.read("range_nm", range, {360, 830, "nm"})) {
+    if (range.size() != 2 || !(range[0] < range[1]))
+      table.complain("range_nm", "expected [from, to] in nm, from below to");
+    else spectrum.range_nm = {range[0], range[1]};
+  }
+  table.read("samples", spectrum.samples, {1, 256});
+}
+
+void read_tracing(const TomlTable &table, TracingScene &tracing) {
+  using T = TracingScene;
+  table.read_word("method", tracing.method,
+                  {{"auto", T::Method::automatic}, {"rk45", T::Method::rk45}, {"richardson", T::Method::richardson}});
+  table.read_word("transfer", tracing.transfer, {{"table", T::Transfer::table}, {"per-pixel", T::Transfer::per_pixel}});
+  table.read_word(
+      "precision", tracing.precision,
+      {{"auto", T::Precision::automatic}, {"float", T::Precision::single_}, {"double", T::Precision::double_}});
+  table.read("tolerance", tracing.tolerance, {1e-14, 1e-2, "rad", true, true});
+  table.read("table_arcsec", tracing.table_arcsec, {0, 60, "arcsec", true});
+  table.read("max_steps", tracing.max_steps, {10, 100000000, "steps"});
+  const TomlTable quality = table.table("quality");
+  quality.read("spp", tracing.spp, {1, 1000000, "samples per pixel"});
+  quality.read("error_pct", tracing.error_pct, {0, 100, "%", true});
+  quality.read("minutes", tracing.minutes, {0, 1e6, "minutes", true});
+}
+
+void read_eye(const TomlTable &table, EyeScene &eye) {
+  table.read_word(
+      "model", eye.model,
+      {{"human", EyeScene::Model::human}, {"camera", EyeScene::Model::camera}, {"none", EyeScene::Model::none}});
+  table.read("exposure_ev", eye.exposure_ev, {-50, 50, "stops"});
+  table.table("bleaching").read("seconds", eye.bleaching_seconds, {0, 1e6, "s"});
+}
+
+void read_output(const TomlTable &table, OutputScene &output) {
+  table.read("image", output.image);
+  table.read("spectral", output.spectral);
+  if (!output.image.empty() && fs::path(output.image).extension() != ".exr")
+    table.complain("image", "expected a file name that ends in .exr, found \"" + output.image + "\"");
+}
+
+/// from, from + step, .. as far as to, the end kept against rounding (a millionth of a step).
+void read_range(const TomlTable &table, SweepScene &sweep) {
+  constexpr double most = 1e6;
+  const Limits any{-1e12, 1e12};
+  for (const char *key : {"from", "to", "step"}) table.require(key, any.text());
+  const bool right =
+      table.read("from", sweep.from, any) & table.read("to", sweep.to, any) & table.read("step", sweep.step, any);
+  if (!right) return;
+  const double steps = (sweep.to - sweep.from) / sweep.step;
+  if (sweep.step == 0 || steps < 0)
+    return table.complain("step", "expected a step that leads from `from` to `to`: not 0, and with the right sign");
+  if (steps >= most) return table.complain("step", "expected at most 1000000 pictures");
+  const int count = static_cast<int>(std::floor(steps + 1e-6)) + 1;
+  for (int i = 0; i < count; ++i) sweep.values.push_back(sweep.from + i * sweep.step);
+}
+
+/// A sweep may change any key of a table; whether the value fits shows when `greenray batch` overrides it.
+void check_sweep_key(const TomlDocument &document, const TomlTable &row, const std::string &key) {
+  std::vector<std::string> keys;
+  for (const std::string &known : document.known())
+    if (known.find('.') != std::string::npos && known.rfind("sweep.", 0) != 0) keys.push_back(known);
+  if (std::find(keys.begin(), keys.end(), key) == keys.end())
+    row.complain("key",
+                 "expected a scene key such as sun.altitude_deg, found \"" + key + "\"" + did_you_mean(key, keys));
+}
+
+void read_sweeps(const TomlDocument &document, const TomlTable &root, std::vector<SweepScene> &sweeps) {
+  for (const TomlTable &row : root.rows("sweep")) {
+    SweepScene sweep;
+    sweep.place = row.place();
+    row.require("key", "a scene key such as \"sun.altitude_deg\"");
+    if (row.read("key", sweep.key)) check_sweep_key(document, row, sweep.key);
+    const bool has_range = row.has("range"), has_values = row.has("values");
+    if (has_range && has_values) row.complain("values", "expected either range or values, found both");
+    if (!has_range && !has_values) row.require("range", "{ from = .., to = .., step = .. }, or values = [..]");
+    if (const TomlTable range = row.table("range"); range.exists()) read_range(range, sweep);
+    if (row.read("values", sweep.values, {-1e12, 1e12}) && sweep.values.empty())
+      row.complain("values", "expected at least one number");
+    sweeps.push_back(sweep);
+  }
+}
+
+}  // namespace
+
+Scene parse_scene(const std::string &file, std::string_view text, const std::vector<std::string> &overrides) {
+  TomlDocument document(file, text);
+  for (const std::string &assignment : overrides) document.override_with(assignment);
+  document.prefer_overridden("sun", "altitude_deg", "apparent_altitude_deg");
+  document.prefer_overridden("atmosphere.aerosol", "visibility_km", "turbidity");
+  const TomlTable root = document.root();
+  refuse_geometry(root);
+
+  Scene scene;
+  scene.name = fs::path(file).stem().string();
+  scene.file = file;
+  scene.text = std::string(text);
+  scene.overrides = overrides;
+  read_header(root, scene);
+  read_atmosphere(document, root.table("atmosphere"), fs::path(file).parent_path().string(), scene.atmosphere);
+  read_observer(root.table("observer"), scene.observer);
+  read_sun(root.table("sun"), scene.sun);
+  const TomlTable sky = root.table("sky");
+  sky.read_word("model", scene.sky.model, {{"plain", SkyScene::Model::plain}, {"academic", SkyScene::Model::academic}});
+  sky.read("sea_reflectance", scene.sky.sea_reflectance, {0, 1});
+  read_spectrum(root.table("spectrum"), scene.spectrum);
+  read_tracing(root.table("tracing"), scene.tracing);
+  read_eye(root.table("eye"), scene.eye);
+  read_output(root.table("output"), scene.output);
+  read_sweeps(document, root, scene.sweeps);
+  document.finish();
+  return scene;
+}
+
+std::vector<std::string> shipped_scenes() {
+  std::vector<std::string> names;
+  for (const std::string &path : embedded_files("scenes/"))
+    if (fs::path(path).extension() == ".toml" && fs::path(path).stem() != "template")
+      names.push_back(fs::path(path).stem().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+Scene load_scene(const std::string &name_or_file, const std::vector<std::string> &overrides) {
+  const SourcePlace place{name_or_file, 1, 1};
+  if (const auto text = file_contents(name_or_file, max_toml_bytes, place))
+    return parse_scene(name_or_file, *text, overrides);
+  const std::string shipped = "scenes/" + name_or_file + ".toml";
+  if (const auto text = embedded_file(shipped)) return parse_scene(shipped, *text, overrides);
+  const std::vector<std::string> names = shipped_scenes();
+  throw InputError(place, "neither a scene file nor a shipped scene" + did_you_mean(name_or_file, names) +
+                              "; shipped: " + comma_list(names));
+}
+
+}  // namespace greenray

@@ -1,0 +1,132 @@
+// scene_hash: one number for everything that changes the picture.
+#include <cstdint>
+#include <cstdio>
+
+#include "scene/scene_file.hpp"
+#include "support/toml_reader.hpp"
+
+namespace greenray {
+namespace {
+
+/// FNV-1a with 64 bits (offset basis and prime of the FNV reference), fed "key=value" lines.
+class Fingerprint {
+ public:
+  void add(const char *key, const std::string &value) {
+    for (const char c : std::string(key) + "=" + value + "\n") {
+      hash_ ^= static_cast<unsigned char>(c);
+      hash_ *= 0x100000001b3u;
+    }
+  }
+  void add(const char *key, double value) { add(key, exact_decimal(value + 0.0)); }  // + 0.0: -0.0 becomes 0.0
+  void add(const char *key, int value) { add(key, std::to_string(value)); }
+  template <class Value>
+  void add(const char *key, const std::optional<Value> &value) {
+    if (value) add(key, *value);
+    else add(key, std::string("none"));
+  }
+  template <class Enum>
+  void add_choice(const char *key, Enum value) {
+    add(key, static_cast<int>(value));
+  }
+  void add(const char *key, const AlongSurface &quantity) {
+    for (const double x : quantity.x_m) add((std::string(key) + ".x_m").c_str(), x);
+    for (const double value : quantity.value) add(key, value);
+  }
+  std::string hex() const {
+    char text[17];
+    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash_));
+    return text;
+  }
+
+ private:
+  std::uint64_t hash_ = 0xcbf29ce484222325u;
+};
+
+void add(Fingerprint &print, const ProfileSpec &profile) {
+  print.add_choice("profile.base", profile.base_is_us76);
+  print.add_choice("profile.index", profile.index);
+  print.add("profile.earth_radius_m", profile.earth_radius_m);
+  print.add("profile.surface_pressure_Pa", profile.surface_pressure_Pa);
+  print.add_choice("profile.interpolation", profile.interpolation);
+  print.add("profile.smooth_m", profile.smooth_m);
+  print.add("profile.exaggerate", profile.exaggerate);
+  for (const Level &level : profile.levels) {
+    print.add("level.height_m", level.height_m);
+    print.add("level.temperature_K", level.temperature_K);
+    print.add("level.pressure_Pa", level.pressure_Pa);
+    print.add("level.relative_humidity", level.relative_humidity);
+  }
+  for (const InversionSpec &inversion : profile.inversions) {
+    print.add("inversion.delta_T_K", inversion.delta_T_K);
+    print.add("inversion.height_m", inversion.height_m);
+    print.add("inversion.diffuseness_m", inversion.diffuseness_m);
+  }
+  for (const SurfaceLayerSpec &layer : profile.surface_layers) {
+    print.add("surface_layer.delta_T_K", layer.delta_T_K);
+    print.add("surface_layer.scale_m", layer.scale_m);
+  }
+  for (const IndexLevel &level : profile.index_levels) {
+    print.add("index_level.height_m", level.height_m);
+    print.add("index_level.refractivity", level.refractivity);
+  }
+}
+
+void add(Fingerprint &print, const AtmosphereScene &air) {
+  add(print, air.profile);
+  print.add_choice("atmosphere.surface", air.surface);
+  print.add_choice("atmosphere.humidity", air.humidity);
+  print.add_choice("atmosphere.extinction", air.extinction);
+  print.add("atmosphere.ozone_DU", air.ozone_DU);
+  print.add("aerosol.visibility_km", air.visibility_km);
+  print.add("aerosol.turbidity", air.turbidity);
+  print.add("aerosol.angstrom", air.angstrom);
+  print.add("aerosol.scale_height_m", air.aerosol_scale_height_m);
+}
+
+void add(Fingerprint &print, const ObserverScene &observer, const SunScene &sun, const SkyScene &sky) {
+  print.add("observer.height_m", observer.height_m);
+  print.add("observer.azimuth_deg", observer.azimuth_deg);
+  print.add("observer.altitude_deg", observer.altitude_deg);
+  print.add("observer.fov_deg", observer.fov_deg);
+  print.add("observer.width", observer.resolution[0]);
+  print.add("observer.height", observer.resolution[1]);
+  print.add_choice("sun.given", sun.given);
+  print.add_choice("sun.at", sun.part);
+  print.add("sun.altitude_deg", sun.altitude_deg);
+  print.add("sun.azimuth_deg", sun.azimuth_deg);
+  print.add("sun.diameter_arcmin", sun.diameter_arcmin);
+  print.add_choice("sun.limb_darkening", sun.limb_darkening);
+  print.add_choice("sky.model", sky.model);
+  print.add("sky.sea_reflectance", sky.sea_reflectance);
+}
+
+void add(Fingerprint &print, const SpectrumScene &spectrum, const TracingScene &tracing, const EyeScene &eye) {
+  print.add("spectrum.from_nm", spectrum.range_nm[0]);
+  print.add("spectrum.to_nm", spectrum.range_nm[1]);
+  print.add("spectrum.samples", spectrum.samples);
+  print.add_choice("tracing.method", tracing.method);
+  print.add_choice("tracing.transfer", tracing.transfer);
+  print.add_choice("tracing.precision", tracing.precision);
+  print.add("tracing.tolerance", tracing.tolerance);
+  print.add("tracing.table_arcsec", tracing.table_arcsec);
+  print.add("tracing.max_steps", tracing.max_steps);
+  print.add("tracing.spp", tracing.spp);
+  print.add("tracing.error_pct", tracing.error_pct);
+  print.add("tracing.minutes", tracing.minutes);
+  print.add_choice("eye.model", eye.model);
+  print.add("eye.exposure_ev", eye.exposure_ev);
+  print.add("eye.bleaching_seconds", eye.bleaching_seconds);
+}
+
+}  // namespace
+
+std::string scene_hash(const Scene &scene) {
+  Fingerprint print;
+  add(print, scene.atmosphere);
+  add(print, scene.observer, scene.sun, scene.sky);
+  add(print, scene.spectrum, scene.tracing, scene.eye);
+  print.add_choice("output.spectral", scene.output.spectral);
+  return print.hex();
+}
+
+}  // namespace greenray

@@ -1,0 +1,158 @@
+// TomlDocument: parsing, overrides, and the complaints at the end. The getters are in toml_reader.cpp.
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <climits>
+
+#include "support/toml_reader.hpp"
+
+namespace greenray {
+
+static SourcePlace place_of(const toml::parse_error &error, const std::string &file) {
+  return {file, static_cast<int>(error.source().begin.line), static_cast<int>(error.source().begin.column)};
+}
+
+/// Length of the UTF-8 sequence at the start of `text`; 0 when it is broken, overlong, a surrogate or beyond U+10FFFF.
+static std::size_t utf8_length(std::string_view text) {
+  const auto byte = [text](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+  const unsigned first = byte(0);
+  if (first < 0x80) return 1;
+  const std::size_t length = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
+  if (first < 0xc2 || first > 0xf4) return 0;
+  for (std::size_t i = 1; i < length; ++i)
+    if ((byte(i) & 0xc0) != 0x80) return 0;
+  const unsigned second = byte(1);  // narrower after the first bytes of the ranges that Unicode leaves out
+  if ((first == 0xe0 && second < 0xa0) || (first == 0xed && second > 0x9f)) return 0;
+  if ((first == 0xf0 && second < 0x90) || (first == 0xf4 && second > 0x8f)) return 0;
+  return length;
+}
+
+/// The parser would find broken UTF-8 too, but points at the character before it.
+static void check_utf8(const std::string &file, std::string_view text) {
+  SourcePlace place{file, 1, 1};
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t length = utf8_length(text.substr(i));
+    if (length == 0)
+      throw InputError(place, "not valid UTF-8: expected text, found a byte that belongs to no character");
+    text[i] == '\n' ? (++place.line, place.column = 1) : ++place.column;
+    i += length;
+  }
+}
+
+TomlDocument::TomlDocument(const std::string &file, std::string_view text) : file_(file) {
+  if (text.size() > max_toml_bytes)
+    throw InputError({file, 1, 1}, "expected at most 16 MiB of text, found " + std::to_string(text.size()) + " bytes");
+  check_utf8(file, text);
+  try {
+    root_ = std::make_unique<toml::table>(toml::parse(text, std::string_view(file_)));
+  } catch (const toml::parse_error &error) {
+    throw InputError(place_of(error, file_), "not valid TOML: " + std::string(error.description()));
+  }
+  opened_.emplace(root_.get(), "");
+}
+
+TomlDocument::~TomlDocument() = default;
+
+TomlTable TomlDocument::root() { return {this, root_.get(), "", SourcePlace{file_, 1, 1}}; }
+
+/// `KEY="VALUE"` for a value that is no TOML but reads as a bare word; nothing when it was meant as TOML.
+static std::optional<std::string> quoted(const std::string &assignment, std::size_t equals) {
+  const std::size_t begin = std::min(assignment.find_first_not_of(" \t", equals + 1), assignment.size());
+  const std::string value = assignment.substr(begin);
+  if (!value.empty() && std::string("[{\"'").find(value[0]) != std::string::npos) return std::nullopt;
+  std::string text = assignment.substr(0, begin) + "\"";
+  for (const char c : value) {
+    if (c == '"' || c == '\\') text += '\\';
+    text += c;
+  }
+  return text + "\"";
+}
+
+/// Moves the values of `from` into `into`, table by table. Moving keeps their places in the text; copying would not.
+static void merge(toml::table &into, toml::table &from) {
+  for (auto &&[key, node] : from) {
+    toml::node *old = into.get(key.str());
+    if (old && old->is_table() && node.is_table()) {
+      merge(*old->as_table(), *node.as_table());
+      continue;
+    }
+    node.visit([&into, &k = key](auto &value) { into.insert_or_assign(k, std::move(value)); });
+  }
+}
+
+void TomlDocument::override_with(const std::string &assignment) {
+  const std::string file = "-D " + assignment;
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string::npos || equals == 0 || assignment.find_first_of("\r\n#") < equals ||
+      assignment.find_first_of("\r\n") != std::string::npos || assignment[0] == '[')
+    return complain({file, 1, 1}, "expected KEY=VALUE, as in sun.altitude_deg=-0.5");
+  toml::table parsed;
+  try {
+    parsed = toml::parse(assignment, std::string_view(file));
+  } catch (const toml::parse_error &error) {
+    const std::optional<std::string> as_text = quoted(assignment, equals);
+    try {
+      if (!as_text) throw toml::parse_error(error);
+      parsed = toml::parse(*as_text, std::string_view(file));
+    } catch (const toml::parse_error &last) {
+      return complain(place_of(last, file), "not a TOML value: " + std::string(last.description()));
+    }
+  }
+  merge(*root_, parsed);
+}
+
+void TomlDocument::prefer_overridden(const std::string &table, const std::string &key, const std::string &rival) {
+  toml::table *at = root_->at_path(table).as_table();
+  const toml::node *first = at ? at->get(key) : nullptr;
+  const toml::node *second = at ? at->get(rival) : nullptr;
+  if (!first || !second) return;
+  const auto from_file = [this](const toml::node &node) { return node.source().path && *node.source().path == file_; };
+  if (from_file(*first) == from_file(*second)) return;
+  at->erase(from_file(*first) ? key : rival);
+}
+
+void TomlDocument::complain(SourcePlace place, const std::string &message) {
+  diagnostics_.push_back({std::move(place), message});
+}
+
+void TomlDocument::complain(const InputError &error) {
+  diagnostics_.insert(diagnostics_.end(), error.diagnostics().begin(), error.diagnostics().end());
+}
+
+std::vector<std::string> TomlDocument::known_below(const std::string &path) const {
+  const std::string prefix = path.empty() ? "" : path + ".";
+  std::vector<std::string> names;
+  for (const std::string &known : known_)
+    if (known.compare(0, prefix.size(), prefix) == 0 && known.find('.', prefix.size()) == std::string::npos)
+      names.push_back(known.substr(prefix.size()));
+  return names;
+}
+
+void TomlDocument::complain_about_unread() {
+  for (const auto &[table, path] : opened_) {
+    const std::vector<std::string> here = known_below(path);
+    for (auto &&[key, node] : *table) {
+      const std::string name(key.str());
+      if (std::find(here.begin(), here.end(), name) != here.end()) continue;
+      const toml::source_region &source = key.source();
+      std::string hint = did_you_mean(name, here);
+      if (hint.empty()) hint = "; expected one of " + comma_list(here);
+      complain({source.path ? *source.path : file_, static_cast<int>(source.begin.line),
+                static_cast<int>(source.begin.column)},
+               "unknown key '" + (path.empty() ? name : path + "." + name) + "'" + hint);
+    }
+  }
+}
+
+void TomlDocument::finish() {
+  complain_about_unread();
+  if (diagnostics_.empty()) return;
+  const auto rank = [this](const Diagnostic &d) {  // this file in reading order, then the others as they came
+    return d.place.file == file_ ? std::pair(d.place.line, d.place.column) : std::pair(INT_MAX, INT_MAX);
+  };
+  std::stable_sort(diagnostics_.begin(), diagnostics_.end(),
+                   [&](const Diagnostic &a, const Diagnostic &b) { return rank(a) < rank(b); });
+  throw InputError(std::move(diagnostics_));
+}
+
+}  // namespace greenray

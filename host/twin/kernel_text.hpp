@@ -1,0 +1,22 @@
+// Included once per namespace by twin.hpp: the kernel headers, then their macros taken away again. No include guard.
+#include "ray/ray.h"
+#include "lib/random.h"
+#include "shared/probe.h"
+#include "medium/height.h"
+
+#undef DEVICE
+#undef GLOBAL
+#undef CONSTANT
+#undef SPREAD
+#undef SPREAD_INT
+#undef R
+#undef LANE
+#undef LANE_INT
+#undef INDEX_CELL_TEXELS
+#undef INDEX_CELL_SCALARS
+#undef INDEX_TABLE
+#undef PROBE_VALUES
+#undef ROUNDING
+#undef LANDING
+#undef SMALLEST
+#undef INTEGRATOR_STEP
