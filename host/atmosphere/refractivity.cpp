@@ -54,7 +54,7 @@ double reference_refractivity(IndexModel model, double wavelength_nm) {
     case IndexModel::born_wolf: return 28.79e-5 * (1 + 5.67e-3 / um2);
     case IndexModel::iag1999: return 1e-6 * (287.6155 + sigma2 * (1.62887 + sigma2 * 0.01360));
     case IndexModel::peck_reeder:
-      return 1e-8 * (8060.51 + 2480990.0 / (132.274 - sigma2) + 17455.7 / (39.32957 - sigma2));
+      return 1e-8 * (5791817.0 / (238.0183 - sigma2) + 167909.0 / (57.362 - sigma2));
     case IndexModel::ciddor: return ciddor_dry_axs(sigma2);
   }
   return 0;

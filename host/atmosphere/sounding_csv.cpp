@@ -91,7 +91,7 @@ void need_column(const Source &source, const std::vector<Cell> &header, const st
       std::any_of(columns.begin(), columns.end(), [&](const Known *k) { return k && k->member == member; });
   if (there) return;
   std::string found;
-  for (const Cell &cell : header) found += (found.empty() ? "" : ",") + std::string(cell.text);
+  for (const Cell &cell : header) found.append(found.empty() ? "" : ",").append(cell.text);
   source.fail(header.front().line, 1, "a column " + names + " in the header", quoted(found),
               "names and units must match, separated by commas");
 }

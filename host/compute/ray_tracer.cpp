@@ -39,14 +39,14 @@ std::vector<Cell> cells_for_device(const IndexTable &table) {
 }
 
 f32::RayStart narrowed(const f64::RayStart &s) {
-  return {static_cast<float>(s.z_m), static_cast<float>(s.run), static_cast<float>(s.rise),
+  return {static_cast<float>(s.above_m), static_cast<float>(s.run), static_cast<float>(s.rise),
           static_cast<float>(s.sigma_end_m), s.row, s.cell};
 }
 
 f64::RayEnd widened(const f32::RayEnd &e) {
-  return {e.z_m,       e.run,       e.rise,           e.sigma_m,     e.bending_rad, e.optical_path_m,
+  return {e.above_m,   e.run,       e.rise,           e.sigma_m,     e.bending_rad, e.optical_path_m,
           {e.column[0], e.column[1], e.column[2]}, e.min_z_m, e.max_z_m, e.solver_error_rad, e.bouguer_drift,
-          e.outcome,   e.turning_points, e.steps, e.rejected};
+          e.cell,      e.outcome,   e.turning_points, e.steps, e.rejected};
 }
 
 cl::Image2D upload_image(Device::State &device, const IndexTable &table, const std::vector<f32::IndexCell> &cells) {

@@ -142,7 +142,7 @@ std::vector<TraceRow> trace_table(const Profile &profile, const TraceRequest &re
     const f64::RayEnd &end = ends[i];
     const bool trapped = end.outcome == f64::RAY_IN_FLIGHT && end.turning_points >= 2;
     rows[i].outcome = trapped ? static_cast<int>(f64::RAY_TRAPPED) : end.outcome;
-    rows[i].height_m = f64::geometric_height_m(end.z_m, table.curvature_per_m);
+    rows[i].height_m = f64::geometric_height_m(table.cell(0, static_cast<std::size_t>(end.cell)).bottom_m + end.above_m, table.curvature_per_m);
     rows[i].elevation_deg = to_deg(std::atan2(end.rise, end.run));
     rows[i].bending_arcsec = to_arcsec(end.bending_rad);
     rows[i].optical_path_m = end.optical_path_m;

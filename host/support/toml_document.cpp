@@ -1,16 +1,12 @@
 // TomlDocument: parsing, overrides, and the complaints at the end. The getters are in toml_reader.cpp.
+#include "support/toml_reader.hpp"
+
 #include <toml++/toml.h>
 
 #include <algorithm>
 #include <climits>
 
-#include "support/toml_reader.hpp"
-
 namespace greenray {
-
-static SourcePlace place_of(const toml::parse_error &error, const std::string &file) {
-  return {file, static_cast<int>(error.source().begin.line), static_cast<int>(error.source().begin.column)};
-}
 
 /// Length of the UTF-8 sequence at the start of `text`; 0 when it is broken, overlong, a surrogate or beyond U+10FFFF.
 static std::size_t utf8_length(std::string_view text) {
@@ -27,27 +23,88 @@ static std::size_t utf8_length(std::string_view text) {
   return length;
 }
 
-/// The parser would find broken UTF-8 too, but points at the character before it.
-static void check_utf8(const std::string &file, std::string_view text) {
+/// Follows strings and comments, the only places where TOML allows characters outside ASCII.
+class TextScanner {
+ public:
+  /// Takes the character at the start of `rest`, with what belongs to it (an escaped character, further quotes).
+  /// Returns its length in bytes.
+  std::size_t take(std::string_view rest) {
+    const char c = rest[0];
+    if (c == '\n') {
+      comment_ = false;
+      if (quotes_ == 1) quotes_ = 0;  // left open: the parser will say so
+    }
+    if (comment_) return 1;
+    if (quotes_ == 0) {
+      comment_ = c == '#';
+      return c == '"' || c == '\'' ? open(rest) : 1;
+    }
+    if (c == '\\' && quote_ == '"') return rest.size() > 1 && (rest[1] == '"' || rest[1] == '\\') ? 2 : 1;
+    return c == quote_ ? close(rest) : 1;
+  }
+  bool in_text() const { return comment_ || quotes_ != 0; }
+
+ private:
+  std::size_t run(std::string_view rest) const {
+    return std::min(rest.substr(0, 5).find_first_not_of(quote_), std::min<std::size_t>(rest.size(), 5));
+  }
+  std::size_t open(std::string_view rest) {
+    quote_ = rest[0];
+    const std::size_t count = run(rest);
+    if (count == 2) return 2;  // an empty string
+    quotes_ = count >= 3 ? 3 : 1;
+    return quotes_;
+  }
+  std::size_t close(std::string_view rest) {
+    const std::size_t count = run(rest);
+    if (count < quotes_) return count;
+    const std::size_t taken = quotes_ == 3 ? std::min<std::size_t>(count, 5) : 1;  // two may precede the closing three
+    quotes_ = 0;
+    return taken;
+  }
+  bool comment_ = false;
+  char quote_ = '"';
+  std::size_t quotes_ = 0;  // that opened the string we are in: 0, 1 or 3
+};
+
+/// Refuses broken UTF-8 at its very place (the parser points at the character before it), and characters outside ASCII
+/// where text is not allowed (toml++ 3.3 has undefined behaviour on some of them).
+static void check_characters(const std::string &file, std::string_view text) {
   SourcePlace place{file, 1, 1};
-  for (std::size_t i = 0; i < text.size();) {
-    const std::size_t length = utf8_length(text.substr(i));
+  TextScanner scanner;
+  std::size_t i = text.substr(0, 3) == "\xef\xbb\xbf" ? 3 : 0;  // byte order mark
+  while (i < text.size()) {
+    const std::string_view rest = text.substr(i);
+    const std::size_t length = utf8_length(rest);
     if (length == 0)
       throw InputError(place, "not valid UTF-8: expected text, found a byte that belongs to no character");
-    text[i] == '\n' ? (++place.line, place.column = 1) : ++place.column;
-    i += length;
+    if (length > 1 && !scanner.in_text())
+      throw InputError(place, "not valid TOML: '" + std::string(rest.substr(0, length)) +
+                                  "' is expected only inside quotes or a comment");
+    const std::size_t taken = length > 1 ? length : scanner.take(rest);
+    if (rest[0] == '\n') ++place.line, place.column = 1;
+    else place.column += length > 1 ? 1 : static_cast<int>(taken);
+    i += taken;
+  }
+}
+
+/// The table in `text`.
+/// errors: InputError at the first mistake
+static toml::table parse(const std::string &file, std::string_view text) {
+  check_characters(file, text);
+  try {
+    return toml::parse(text, std::string_view(file));
+  } catch (const toml::parse_error &error) {
+    const toml::source_position at = error.source().begin;
+    throw InputError({file, static_cast<int>(at.line), static_cast<int>(at.column)},
+                     "not valid TOML: " + std::string(error.description()));
   }
 }
 
 TomlDocument::TomlDocument(const std::string &file, std::string_view text) : file_(file) {
   if (text.size() > max_toml_bytes)
     throw InputError({file, 1, 1}, "expected at most 16 MiB of text, found " + std::to_string(text.size()) + " bytes");
-  check_utf8(file, text);
-  try {
-    root_ = std::make_unique<toml::table>(toml::parse(text, std::string_view(file_)));
-  } catch (const toml::parse_error &error) {
-    throw InputError(place_of(error, file_), "not valid TOML: " + std::string(error.description()));
-  }
+  root_ = std::make_unique<toml::table>(parse(file, text));
   opened_.emplace(root_.get(), "");
 }
 
@@ -68,6 +125,16 @@ static std::optional<std::string> quoted(const std::string &assignment, std::siz
   return text + "\"";
 }
 
+static toml::table parse_assignment(const std::string &file, const std::string &assignment, std::size_t equals) {
+  try {
+    return parse(file, assignment);
+  } catch (const InputError &) {
+    const std::optional<std::string> as_text = quoted(assignment, equals);
+    if (!as_text) throw;
+    return parse(file, *as_text);
+  }
+}
+
 /// Moves the values of `from` into `into`, table by table. Moving keeps their places in the text; copying would not.
 static void merge(toml::table &into, toml::table &from) {
   for (auto &&[key, node] : from) {
@@ -86,19 +153,12 @@ void TomlDocument::override_with(const std::string &assignment) {
   if (equals == std::string::npos || equals == 0 || assignment.find_first_of("\r\n#") < equals ||
       assignment.find_first_of("\r\n") != std::string::npos || assignment[0] == '[')
     return complain({file, 1, 1}, "expected KEY=VALUE, as in sun.altitude_deg=-0.5");
-  toml::table parsed;
   try {
-    parsed = toml::parse(assignment, std::string_view(file));
-  } catch (const toml::parse_error &error) {
-    const std::optional<std::string> as_text = quoted(assignment, equals);
-    try {
-      if (!as_text) throw toml::parse_error(error);
-      parsed = toml::parse(*as_text, std::string_view(file));
-    } catch (const toml::parse_error &last) {
-      return complain(place_of(last, file), "not a TOML value: " + std::string(last.description()));
-    }
+    toml::table parsed = parse_assignment(file, assignment, equals);
+    merge(*root_, parsed);
+  } catch (const InputError &error) {
+    complain(error);
   }
-  merge(*root_, parsed);
 }
 
 void TomlDocument::prefer_overridden(const std::string &table, const std::string &key, const std::string &rival) {

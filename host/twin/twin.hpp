@@ -41,6 +41,6 @@ namespace greenray::f64_richardson {
 namespace greenray {
 static_assert(sizeof(f32::IndexCell) == 48 && sizeof(f64::IndexCell) == 96);
 static_assert(sizeof(f32::RayStart) == 24 && sizeof(f64::RayStart) == 40);
-static_assert(sizeof(f32::RayEnd) == 68 && sizeof(f64::RayEnd) == 120);
+static_assert(sizeof(f32::RayEnd) == 72 && sizeof(f64::RayEnd) == 128);
 static_assert(sizeof(f32::Absorbers) == 16 && sizeof(f64::Absorbers) == 32);
 }  // namespace greenray

@@ -16,20 +16,20 @@ DEVICE RayState dormand_prince_step(const Medium *m, const RayState *start, cons
   RaySlope k[7];
   k[0] = *first;
   for (int stage = 0; stage < 5; ++stage) {
-    real z_m = SPREAD(0), rise = SPREAD(0);
+    real rose_m = SPREAD(0), rise = SPREAD(0);
     for (int j = 0; j <= stage; ++j) {
-      z_m += dp_a[stage][j] * k[j].z_m;
+      rose_m += dp_a[stage][j] * k[j].above_m;
       rise += dp_a[stage][j] * k[j].rise;
     }
-    k[stage + 1] = derivative(m, start->z_m + h * z_m, start->rise + h * rise);
+    k[stage + 1] = derivative(m, start->above_m + h * rose_m, start->rise + h * rise);
   }
   RayState end = *start;
   for (int j = 0; j < 6; ++j) advance(&end, h * dp_a[5][j], &k[j]);
-  k[6] = derivative(m, end.z_m, end.rise);
+  k[6] = derivative(m, end.above_m, end.rise);
 
   real dz = SPREAD(0), drise = SPREAD(0), dbending = SPREAD(0);
   for (int j = 0; j < 7; ++j) {
-    dz += dp_error[j] * k[j].z_m;
+    dz += dp_error[j] * k[j].above_m;
     drise += dp_error[j] * k[j].rise;
     dbending += dp_error[j] * k[j].bending_rad;
   }

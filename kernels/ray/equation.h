@@ -6,10 +6,12 @@
      surface distance = run sigma,   d(bending)/dsigma = -run g,   d(optical path)/dsigma = N^2,
      d(column)/dsigma = density (1 + h/R) N.
    differs from G04: written for the pair (z, rise), so that nothing of size 1 or of size R is ever differenced in float,
-   no sine is needed, and Bouguer's invariant is exact by construction. */
+   no sine is needed, and Bouguer's invariant is exact by construction. z is carried as the height above the bottom of the
+   ray's cell: its rounding is that of the cell's thickness, a centimetre layer at 3 km is as sharp as one on the ground. */
 
 typedef struct RayState {
-  real z_m, rise, bending_rad, optical_path_m;
+  real above_m; /* flattened height above the bottom of the cell */
+  real rise, bending_rad, optical_path_m;
 #if WITH_COLUMNS
   real column[3];
 #endif
@@ -25,7 +27,8 @@ typedef struct Medium {
 
 #if WITH_COLUMNS
 /* Path densities of air, ozone and aerosol times d(path)/d(sigma). */
-DEVICE void column_slope(const Medium *m, real t, real z_m, real momentum2, RaySlope *slope) {
+DEVICE void column_slope(const Medium *m, real t, real above_m, real momentum2, RaySlope *slope) {
+  const real z_m = m->cell.bottom_m + above_m;
   const real path = exponential(z_m * m->absorbers.earth_curvature_per_m) * root(momentum2);
   const real from_peak = (z_m - m->absorbers.ozone_peak_m) / m->absorbers.ozone_width_m;
   slope->column[0] = air_density(&m->cell, t) * path;
@@ -34,24 +37,24 @@ DEVICE void column_slope(const Medium *m, real t, real z_m, real momentum2, RayS
 }
 #endif
 
-DEVICE RaySlope derivative(const Medium *m, real z_m, real rise) {
-  const real t = (z_m - m->cell.bottom_m) / m->cell.thickness_m;
+DEVICE RaySlope derivative(const Medium *m, real above_m, real rise) {
+  const real t = above_m / m->cell.thickness_m;
   const real gradient = log_index_gradient(&m->cell, t);
   const real momentum2 = m->run * m->run + rise * rise;
   RaySlope slope;
-  slope.z_m = rise;
+  slope.above_m = rise;
   slope.rise = momentum2 * (m->absorbers.earth_curvature_per_m + gradient);
   slope.bending_rad = -m->run * gradient;
   slope.optical_path_m = momentum2;
 #if WITH_COLUMNS
-  column_slope(m, t, z_m, momentum2, &slope);
+  column_slope(m, t, above_m, momentum2, &slope);
 #endif
   return slope;
 }
 
 /* y + h k, for every quantity. */
 DEVICE void advance(RayState *y, real h, const RaySlope *k) {
-  y->z_m += h * k->z_m;
+  y->above_m += h * k->above_m;
   y->rise += h * k->rise;
   y->bending_rad += h * k->bending_rad;
   y->optical_path_m += h * k->optical_path_m;

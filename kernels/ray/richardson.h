@@ -14,7 +14,7 @@ DEVICE RayState sum(const RayState *a, const RayState *b) {
 /* Change of state over h: follow the tangent to its middle, look up grad n there, turn. */
 DEVICE RayState tangent_step(const Medium *m, const RayState *start, const RaySlope *first, real h) {
   const RaySlope middle =
-      derivative(m, start->z_m + R(0.5) * h * first->z_m, start->rise + R(0.5) * h * first->rise);
+      derivative(m, start->above_m + R(0.5) * h * first->above_m, start->rise + R(0.5) * h * first->rise);
   RayState change = *start;
   advance(&change, SPREAD(-1), start); /* zero of every quantity */
   advance(&change, h, &middle);
@@ -25,13 +25,13 @@ DEVICE RayState richardson_step(const Medium *m, const RayState *start, const Ra
   const RayState whole = tangent_step(m, start, first, h);
   const RayState first_half = tangent_step(m, start, first, R(0.5) * h);
   const RayState middle = sum(start, &first_half);
-  const RaySlope slope = derivative(m, middle.z_m, middle.rise);
+  const RaySlope slope = derivative(m, middle.above_m, middle.rise);
   const RayState second_half = tangent_step(m, &middle, &slope, R(0.5) * h);
   const RayState halves = sum(&first_half, &second_half);
 
   RayState difference = halves;
   advance(&difference, SPREAD(-1), &whole);
-  *error = R(1.0 / 3) * direction_error(difference.z_m, difference.rise, difference.bending_rad, h);
+  *error = R(1.0 / 3) * direction_error(difference.above_m, difference.rise, difference.bending_rad, h);
   RayState end = sum(start, &halves);
   advance(&end, SPREAD(R(1.0 / 3)), &difference);
   return end;

@@ -9,7 +9,7 @@
 #define LANDING R(1e-8) /* of the cell's thickness */
 #else
 #define ROUNDING R(1.2e-7)
-#define LANDING R(1e-5)
+#define LANDING R(1e-6)
 #endif
 
 #define SMALLEST (R(1e-4) * LANDING) /* step, of the cell's step cap: taken whatever its error */
@@ -38,35 +38,28 @@ typedef struct March {
   real start_momentum2, start_potential; /* for the Bouguer alarm: N^2 and ln N of the table at the start */
 } March;
 
-DEVICE real edge_m(const CellLanes *c, mask rising) { return rising ? c->bottom_m + c->thickness_m : c->bottom_m; }
-
-DEVICE real landing_tolerance_m(const CellLanes *c, real z_m) {
-  return LANDING * c->thickness_m + R(2) * ROUNDING * magnitude(z_m);
-}
-
-/* How far beyond the edge ahead z is: negative inside. */
-DEVICE real beyond_edge_m(const CellLanes *c, mask rising, real z_m) {
-  const real ahead = z_m - edge_m(c, rising);
-  return rising ? ahead : -ahead;
+/* How far beyond the edge of the cell ahead: negative inside. */
+DEVICE real beyond_edge_m(const CellLanes *c, mask rising, real above_m) {
+  return rising ? above_m - c->thickness_m : -above_m;
 }
 
 /* ln N of the table: ln n + z/R. */
-DEVICE real potential(const Medium *m, real z_m) {
-  const real t = (z_m - m->cell.bottom_m) / m->cell.thickness_m;
-  return log_index(&m->cell, t) + z_m * m->absorbers.earth_curvature_per_m;
+DEVICE real potential(const Medium *m, real above_m) {
+  const real t = above_m / m->cell.thickness_m;
+  return log_index(&m->cell, t) + (m->cell.bottom_m + above_m) * m->absorbers.earth_curvature_per_m;
 }
 
 /* sigma to the edge ahead, or to the turning point where that comes first.
    z(s) = z + p s + F s^2/2 + J s^3/6: the parabola solved without cancellation, then two Newton steps for the cubic term. */
 DEVICE real sigma_to_edge(const Medium *m, const RayState *y, const RaySlope *slope, mask rising) {
-  const real distance = edge_m(&m->cell, rising) - y->z_m;
+  const real distance = (rising ? m->cell.thickness_m : SPREAD(0)) - y->above_m;
   const real p = y->rise, force = slope->rise;
   const real discriminant = p * p + R(2) * force * distance;
   const real speed = root(larger(discriminant, SPREAD(0)));
   const real denominator = p + (rising ? speed : -speed);
   real s = R(2) * distance / (denominator != R(0) ? denominator : SPREAD(1));
 
-  const real t = (y->z_m - m->cell.bottom_m) / m->cell.thickness_m;
+  const real t = y->above_m / m->cell.thickness_m;
   const real momentum2 = slope->optical_path_m;
   const real jerk = p * (R(2) * force * force / momentum2 +
                          momentum2 * log_index_gradient_slope(&m->cell, t) / m->cell.thickness_m);
@@ -79,15 +72,18 @@ DEVICE real sigma_to_edge(const Medium *m, const RayState *y, const RaySlope *sl
   const real turn = -p / (force != R(0) ? force : SPREAD(1));
   s = discriminant < R(0) ? turn : s;
   /* A standing ray (denominator 0) is left to the step cap; a turn just ahead is stepped over by a sliver. */
-  s = (denominator == R(0)) & (discriminant >= R(0)) ? m->cell.step_cap_m : s;
+  s = ((denominator == R(0)) & (discriminant >= R(0))) ? m->cell.step_cap_m : s;
   return larger(s, (discriminant < R(0)) ? R(0.01) * m->cell.step_cap_m : SPREAD(0));
 }
+
+/* Flattened height [m]. */
+DEVICE real height(const March *w) { return w->medium.cell.bottom_m + w->y.above_m; }
 
 DEVICE void start_march(March *w, INDEX_TABLE table, GLOBAL const RayStart *rays, int first, int last,
                         const TraceSettings *settings, Absorbers absorbers) {
   for (int i = 0; i < LANES; ++i) {
     const RayStart ray = rays[first + i < last ? first + i : last];
-    LANE(w->y.z_m, i) = ray.z_m;
+    LANE(w->y.above_m, i) = ray.above_m;
     LANE(w->y.rise, i) = ray.rise;
     LANE(w->medium.run, i) = ray.run;
     LANE(w->sigma_end_m, i) = ray.sigma_end_m;
@@ -104,32 +100,36 @@ DEVICE void start_march(March *w, INDEX_TABLE table, GLOBAL const RayStart *rays
   w->start = w->y;
   w->outcome = w->turning_points = w->steps = w->rejected = SPREAD_INT(0);
   w->sigma_m = w->solver_error_rad = zero;
-  w->min_z_m = w->max_z_m = w->y.z_m;
   load_cells(table, w->row, w->cell, settings->cells_per_row, &w->medium.cell);
+  w->min_z_m = w->max_z_m = height(w);
   w->step_m = w->medium.cell.step_cap_m;
-  const RaySlope slope = derivative(&w->medium, w->y.z_m, w->y.rise);
+  const RaySlope slope = derivative(&w->medium, w->y.above_m, w->y.rise);
   w->heading = (w->y.rise > R(0)) | ((w->y.rise == R(0)) & (slope.rise >= R(0)));
   w->start_momentum2 = slope.optical_path_m;
-  w->start_potential = potential(&w->medium, w->y.z_m);
+  w->start_potential = potential(&w->medium, w->y.above_m);
 }
 
 /* Into the neighbouring cell, or out of the air, for lanes that stand at the edge ahead. */
 DEVICE void cross_edges(March *w, INDEX_TABLE table, const TraceSettings *settings, mask running) {
   const CellLanes *c = &w->medium.cell;
-  const mask at_edge = running & (beyond_edge_m(c, w->heading, w->y.z_m) >= -landing_tolerance_m(c, w->y.z_m));
+  const mask at_edge = running & (beyond_edge_m(c, w->heading, w->y.above_m) >= -LANDING * c->thickness_m);
   const mask up = at_edge & w->heading, down = at_edge & !w->heading;
   const mask space = up & (w->cell == settings->cells_per_row - 1), ground = down & (w->cell == 0);
   w->outcome = space ? SPREAD_INT(RAY_SPACE) : ground ? SPREAD_INT(RAY_GROUND) : w->outcome;
   const mask one = SPREAD_INT(1), none = SPREAD_INT(0);
-  w->cell += ((up & !space) ? one : none) - ((down & !ground) ? one : none);
-  if (any_lane(at_edge)) load_cells(table, w->row, w->cell, settings->cells_per_row, &w->medium.cell);
+  const mask rises = up & (!space), sinks = down & (!ground);
+  if (!any_lane(rises | sinks)) return;
+  w->y.above_m -= rises ? c->thickness_m : SPREAD(0);
+  w->cell += (rises ? one : none) - (sinks ? one : none);
+  load_cells(table, w->row, w->cell, settings->cells_per_row, &w->medium.cell);
+  w->y.above_m += sinks ? c->thickness_m : SPREAD(0);
 }
 
 /* Notes a change of heading; two turning points, one upper and one lower, mean the ray is trapped. */
 DEVICE void note_turning_points(March *w, const RaySlope *slope, mask rising_now, mask rising_before) {
   const mask turned = (rising_now & (!rising_before)) | ((!rising_now) & rising_before);
   if (!any_lane(turned)) return;
-  const real extreme = w->y.z_m - R(0.5) * w->y.rise * w->y.rise / (slope->rise != R(0) ? slope->rise : SPREAD(1));
+  const real extreme = height(w) - R(0.5) * w->y.rise * w->y.rise / (slope->rise != R(0) ? slope->rise : SPREAD(1));
   w->min_z_m = turned ? smaller(w->min_z_m, extreme) : w->min_z_m;
   w->max_z_m = turned ? larger(w->max_z_m, extreme) : w->max_z_m;
   w->turning_points += turned ? SPREAD_INT(1) : SPREAD_INT(0);
@@ -149,21 +149,21 @@ DEVICE void try_step(March *w, const RaySlope *slope, const TraceSettings *setti
   real error;
   const RayState end = INTEGRATOR_STEP(m, &w->y, slope, h, &error);
   const real tolerance = settings->tolerance_rad + R(2) * ROUNDING * magnitude(end.rise);
-  const real beyond = beyond_edge_m(&m->cell, w->heading, end.z_m);
-  const mask overshot = beyond > R(4) * landing_tolerance_m(&m->cell, end.z_m);
+  const real beyond = beyond_edge_m(&m->cell, w->heading, end.above_m);
+  const mask overshot = beyond > R(4) * LANDING * m->cell.thickness_m;
   const mask smallest = h <= R(2) * smallest_m;
   const mask accepted = running & (((error <= tolerance) & !overshot) | smallest);
 
   /* Next step: fourth root, a little below the classical fifth (or third) so that no power function is needed. */
   const real ratio = root(root(tolerance / (error + R(1e-3) * tolerance)));
   const real grown = h * smaller(larger(R(0.9) * ratio, SPREAD(R(0.2))), SPREAD(R(4)));
-  const real covered = beyond_edge_m(&m->cell, w->heading, w->y.z_m);
+  const real covered = beyond_edge_m(&m->cell, w->heading, w->y.above_m);
   const real secant = covered / (covered - beyond);
   const real shortened = h * smaller(larger(secant, SPREAD(R(0.1))), SPREAD(R(0.95)));
   const real kept = larger(grown, h < w->step_m ? w->step_m : SPREAD(0));
-  w->step_m = accepted ? kept : overshot & (error <= tolerance) ? shortened : grown;
+  w->step_m = accepted ? kept : (overshot & (error <= tolerance)) ? shortened : grown;
 
-  w->y.z_m = accepted ? end.z_m : w->y.z_m;
+  w->y.above_m = accepted ? end.above_m : w->y.above_m;
   w->y.rise = accepted ? end.rise : w->y.rise;
   w->y.bending_rad = accepted ? end.bending_rad : w->y.bending_rad;
   w->y.optical_path_m = accepted ? end.optical_path_m : w->y.optical_path_m;
@@ -172,10 +172,10 @@ DEVICE void try_step(March *w, const RaySlope *slope, const TraceSettings *setti
 #endif
   w->sigma_m += accepted ? h : SPREAD(0);
   w->solver_error_rad += accepted ? error : SPREAD(0);
-  w->min_z_m = smaller(w->min_z_m, w->y.z_m);
-  w->max_z_m = larger(w->max_z_m, w->y.z_m);
+  w->min_z_m = smaller(w->min_z_m, height(w));
+  w->max_z_m = larger(w->max_z_m, height(w));
   w->steps += accepted ? SPREAD_INT(1) : SPREAD_INT(0);
-  w->rejected += running & !accepted ? SPREAD_INT(1) : SPREAD_INT(0);
+  w->rejected += (running & (!accepted)) ? SPREAD_INT(1) : SPREAD_INT(0);
 
   const mask arrived = accepted & (w->sigma_m >= w->sigma_end_m * (R(1) - R(2) * ROUNDING));
   const mask broken = running & !(error <= R(1e30));
@@ -185,15 +185,15 @@ DEVICE void try_step(March *w, const RaySlope *slope, const TraceSettings *setti
 /* From within the landing tolerance exactly onto the ground or the top. */
 DEVICE void settle(March *w) {
   const mask landed = (w->outcome == RAY_SPACE) | (w->outcome == RAY_GROUND);
-  const real surface = edge_m(&w->medium.cell, w->outcome == RAY_SPACE);
-  const real back = (surface - w->y.z_m) / (w->y.rise != R(0) ? w->y.rise : SPREAD(1));
-  const real h = landed & (magnitude(w->y.rise) > R(1e-6)) ? back : SPREAD(0);
-  const RaySlope slope = derivative(&w->medium, w->y.z_m, w->y.rise);
+  const real surface = w->outcome == RAY_SPACE ? w->medium.cell.thickness_m : SPREAD(0);
+  const real back = (surface - w->y.above_m) / (w->y.rise != R(0) ? w->y.rise : SPREAD(1));
+  const real h = (landed & (magnitude(w->y.rise) > R(1e-6))) ? back : SPREAD(0);
+  const RaySlope slope = derivative(&w->medium, w->y.above_m, w->y.rise);
   advance(&w->y, h, &slope);
   w->sigma_m += h;
-  w->y.z_m = landed ? surface : w->y.z_m;
-  w->min_z_m = smaller(w->min_z_m, w->y.z_m);
-  w->max_z_m = larger(w->max_z_m, w->y.z_m);
+  w->y.above_m = landed ? surface : w->y.above_m;
+  w->min_z_m = smaller(w->min_z_m, height(w));
+  w->max_z_m = larger(w->max_z_m, height(w));
 }
 
 DEVICE void trace(March *w, INDEX_TABLE table, const TraceSettings *settings) {
@@ -203,7 +203,7 @@ DEVICE void trace(March *w, INDEX_TABLE table, const TraceSettings *settings) {
     const mask rising_before = w->heading;
     w->heading = (w->y.rise > R(0)) | ((w->y.rise == R(0)) & rising_before);
     cross_edges(w, table, settings, running);
-    const RaySlope slope = derivative(&w->medium, w->y.z_m, w->y.rise);
+    const RaySlope slope = derivative(&w->medium, w->y.above_m, w->y.rise);
     note_turning_points(w, &slope, w->heading, rising_before);
     running = w->outcome == RAY_RUNNING;
     try_step(w, &slope, settings, running);
@@ -216,7 +216,7 @@ DEVICE void trace(March *w, INDEX_TABLE table, const TraceSettings *settings) {
 DEVICE real bouguer_drift(const March *w) {
   const real momentum2 = w->medium.run * w->medium.run + w->y.rise * w->y.rise;
   const real kept = (momentum2 - w->start_momentum2) / w->start_momentum2;
-  const real expected = R(2) * (potential(&w->medium, w->y.z_m) - w->start_potential);
+  const real expected = R(2) * (potential(&w->medium, w->y.above_m) - w->start_potential);
   return R(0.5) * magnitude(kept - (exponential(expected) - R(1)));
 }
 
@@ -226,7 +226,7 @@ DEVICE void record(const March *w, GLOBAL RayEnd *ends, int first, int last) {
   for (int i = 0; i < LANES; ++i) {
     if (first + i > last) continue;
     RayEnd end;
-    end.z_m = LANE(v.y.z_m, i);
+    end.above_m = LANE(v.y.above_m, i);
     end.run = LANE(v.medium.run, i);
     end.rise = LANE(v.y.rise, i);
     end.sigma_m = LANE(v.sigma_m, i);
@@ -243,6 +243,7 @@ DEVICE void record(const March *w, GLOBAL RayEnd *ends, int first, int last) {
     end.max_z_m = LANE(v.max_z_m, i);
     end.solver_error_rad = LANE(v.solver_error_rad, i);
     end.bouguer_drift = LANE(drift, i);
+    end.cell = (int)LANE_INT(v.cell, i);
     end.outcome = (int)LANE_INT(v.outcome, i);
     end.turning_points = (int)LANE_INT(v.turning_points, i);
     end.steps = (int)LANE_INT(v.steps, i);

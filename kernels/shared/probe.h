@@ -2,7 +2,7 @@
 
 typedef struct ProbeInput {
   IndexCell cell;
-  scalar z_m, run, rise, step_m;
+  scalar above_m, run, rise, step_m;
 } ProbeInput;
 
 #define PROBE_VALUES 22
@@ -13,7 +13,7 @@ typedef struct ProbeOutput {
 DEVICE void put(ProbeOutput *out, int *count, real value) { out->value[(*count)++] = LANE(value, 0); }
 
 DEVICE void put_state(ProbeOutput *out, int *count, const RayState *y) {
-  put(out, count, y->z_m);
+  put(out, count, y->above_m);
   put(out, count, y->rise);
   put(out, count, y->bending_rad);
   put(out, count, y->optical_path_m);
@@ -33,13 +33,13 @@ DEVICE ProbeOutput probe(const ProbeInput *in, Absorbers absorbers) {
   m.cell.log_index = SPREAD(in->cell.log_index);
   m.cell.step_cap_m = SPREAD(in->cell.step_cap_m);
   RayState y;
-  y.z_m = SPREAD(in->z_m);
+  y.above_m = SPREAD(in->above_m);
   y.rise = SPREAD(in->rise);
   y.bending_rad = y.optical_path_m = SPREAD(0);
 #if WITH_COLUMNS
   y.column[0] = y.column[1] = y.column[2] = SPREAD(0);
 #endif
-  const real t = (y.z_m - m.cell.bottom_m) / m.cell.thickness_m;
+  const real t = y.above_m / m.cell.thickness_m;
   const real h = SPREAD(in->step_m);
   ProbeOutput out;
   int count = 0;
@@ -47,8 +47,8 @@ DEVICE ProbeOutput probe(const ProbeInput *in, Absorbers absorbers) {
   put(&out, &count, log_index_gradient_slope(&m.cell, t));
   put(&out, &count, log_index(&m.cell, t));
   put(&out, &count, air_density(&m.cell, t));
-  put(&out, &count, potential(&m, y.z_m));
-  const RaySlope slope = derivative(&m, y.z_m, y.rise);
+  put(&out, &count, potential(&m, y.above_m));
+  const RaySlope slope = derivative(&m, y.above_m, y.rise);
   put_state(&out, &count, &slope);
 #if WITH_COLUMNS
   for (int k = 0; k < 3; ++k) put(&out, &count, slope.column[k]);
@@ -59,6 +59,6 @@ DEVICE ProbeOutput probe(const ProbeInput *in, Absorbers absorbers) {
   end = richardson_step(&m, &y, &slope, h, &error);
   put_state(&out, &count, &end);
   put(&out, &count, sigma_to_edge(&m, &y, &slope, y.rise > R(0)));
-  put(&out, &count, beyond_edge_m(&m.cell, y.rise > R(0), y.z_m));
+  put(&out, &count, beyond_edge_m(&m.cell, y.rise > R(0), y.above_m));
   return out;
 }

@@ -4,12 +4,12 @@
    run and rise are the two components of N (cos e, sin e), N the flattened index at the start and e the elevation:
    the horizontal and the vertical optical momentum. run is Bouguer's invariant and never changes. */
 typedef struct RayStart {
-  scalar z_m;         /* flattened height */
+  scalar above_m;     /* flattened height above the bottom of its cell */
   scalar run;         /* N cos e */
   scalar rise;        /* N sin e */
   scalar sigma_end_m; /* stop here: surface distance / run; ENDLESS_M or more: until it leaves */
   int row;            /* wavelength: row of the index table */
-  int cell;           /* cell that holds z_m */
+  int cell;
 } RayStart;
 
 enum RayOutcome {
@@ -26,7 +26,7 @@ enum RayOutcome {
 #define ENDLESS_M 1e20 /* of sigma: no end */
 
 typedef struct RayEnd {
-  scalar z_m, run, rise;
+  scalar above_m, run, rise;
   scalar sigma_m;           /* d(sigma) = ds/n in flattened space; surface distance = run * sigma */
   scalar bending_rad;       /* total turning of the tangent, positive toward the surface */
   scalar optical_path_m;    /* integral of n ds */
@@ -34,6 +34,7 @@ typedef struct RayEnd {
   scalar min_z_m, max_z_m;
   scalar solver_error_rad;  /* sum of the local error estimates of direction and bending */
   scalar bouguer_drift;     /* |ln| change of n r cos e that should be 0: the run-time alarm */
+  int cell;
   int outcome;
   int turning_points;
   int steps;                /* accepted */

@@ -1,4 +1,5 @@
-"""Writes the reference tables: python tables.py [us76 standard humid inversions trace suns ...] (all when none named).
+"""Writes the reference tables: python tables.py [us76 states standard humid inversions trace suns] (all when none named).
+Needs: pip install numpy scipy numba mpmath (in a virtual environment; not a dependency of greenray).
 
 Each refraction row is computed by both routes of rays.py and kept only if they agree to 1e-6 arcsec * max(1, |dR/da|).
 """
@@ -47,9 +48,26 @@ def us76():
         rows.append(",".join([f"{H:.0f}", mpmath.nstr(Z, 16), mpmath.nstr(T, 15), mpmath.nstr(P, 15), printed[i]]))
     write("us76_boundaries.csv",
           ["US Standard Atmosphere 1976 at its layer boundaries. T (molecular-scale) and P: closed form, 15 digits, with",
-           "K = g0 M0/R* = 9.80665 * 28.9644 / 8314.32 K/m. Last column: published P/P0 of the base levels (R. Carmichael, PDAS, after NASA-TM-X-74335),",
-           "computed there with 0.034163195 K/m, printed to 6-8 digits."],
+           "K = g0 M0/R* = 9.80665 * 28.9644 / 8314.32 K/m. Last column: published P/P0 of the base levels (Carmichael, PDAS,",
+           "after NASA-TM-X-74335), computed there with 0.034163195 K/m, printed to 6-8 digits."],
           "geopotential_m,height_m,temperature_K,pressure_Pa,published_pressure_ratio", rows)
+
+
+# ---- the air itself ----------------------------------------------------------------------------------------
+
+def states():
+    """T, P, density, n-1 and its gradient at heights off the kinks; columns of `greenray profile`."""
+    rows = []
+    for name in ["us76", "iag1999", "peck_reeder", "ciddor_dry", "ciddor_humid", "warm_sea", "two_inversions", "linear_levels",
+                 "cubic_levels", "late_levels", "other_constants"]:
+        p = profile(name)
+        for h in (0.0, 0.3, 5.0, 19.5, 24.7, 45.0, 84.0, 350.0, 1234.5, 9000.0, 15000.0, 40000.0, 90000.0, 119000.0):
+            for nm in (400.0, 550.0, 700.0):
+                T, P, rho, N, dN = p.state(h, nm)
+                rows.append(f"{p.name},{h:g},{T:.10g},{P:.12g},{rho:.10g},{nm:g},{N:.12g},{dN:.10g}")
+    write("profile_states.csv", ["Made by tests/oracle/tables.py: the air of each profile; density = P M0/(R* T)."],
+          "profile,height_m,temperature_K,pressure_Pa,density_kg_m3,wavelength_nm,refractivity,refractivity_gradient_per_m",
+          rows)
 
 
 # ---- refraction -------------------------------------------------------------------------------------------
@@ -199,13 +217,13 @@ def trace():
 
 
 def main():
-    names = sys.argv[1:] or ["us76", "standard", "humid", "inversions", "trace", "suns"]
+    names = sys.argv[1:] or ["us76", "states", "standard", "humid", "inversions", "trace", "suns"]
     for name in names:
         if name == "suns":
             import suns
             suns.main()
         else:
-            {"us76": us76, "standard": standard, "humid": humid, "inversions": inversions, "trace": trace}[name]()
+            {"us76": us76, "states": states, "standard": standard, "humid": humid, "inversions": inversions, "trace": trace}[name]()
 
 
 if __name__ == "__main__":

@@ -333,14 +333,14 @@ TEST(SceneFile, OverridesReplaceOneValue) {
   const Scene scene =
       parse_scene("my.toml", small,
                   {"sun.altitude_deg=-0.25", "sky.model=academic", "output.image = out/a-1.exr",
-                   "atmosphere.aerosol.visibility_km=20", "observer.resolution=[64, 48]", "title=a \"b\\c",
+                   "atmosphere.aerosol.visibility_km=20", "observer.resolution=[64, 48]", "title=é \"b\\c",
                    "spectrum.samples=12.0", "observer.height_m=7", "observer.height_m=8"});
   EXPECT_EQ(scene.sun.altitude_deg, -0.25);
   EXPECT_EQ(scene.sky.model, SkyScene::Model::academic);
   EXPECT_EQ(scene.output.image, "out/a-1.exr");
   EXPECT_EQ(scene.atmosphere.visibility_km, 20.0);
   EXPECT_EQ(scene.observer.resolution, (std::array<int, 2>{64, 48}));
-  EXPECT_EQ(scene.title, "a \"b\\c");
+  EXPECT_EQ(scene.title, "é \"b\\c");
   EXPECT_EQ(scene.spectrum.samples, 12);
   EXPECT_EQ(scene.observer.height_m, 8.0);
   EXPECT_EQ(scene.overrides.size(), 9u);
@@ -373,8 +373,8 @@ TEST(SceneFile, ComplaintsAboutOverridesPointAtThem) {
       {"=3", 1, "expected KEY=VALUE"},
       {"[observer]=3", 1, "expected KEY=VALUE"},
       {"observer.height_m=3\ntitle=4", 1, "expected KEY=VALUE"},
-      {"observer.resolution=[1,", 24, "not a TOML value"},
-      {"observer..height_m=3", 10, "not a TOML value"},
+      {"observer.resolution=[1,", 24, "not valid TOML"},
+      {"observer..height_m=3", 10, "not valid TOML"},
   };
   for (const WrongOverride &wrong : table) {
     SCOPED_TRACE(wrong.assignment);

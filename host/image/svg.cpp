@@ -1,0 +1,353 @@
+#include "image/svg.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "image/colour.hpp"
+
+namespace greenray {
+namespace {
+
+constexpr double margin_left = 66, margin_right = 22, margin_top = 64, margin_bottom = 92, gap = 76;
+const char *const font = "font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\"";
+
+std::string escaped(const std::string &text) {
+  std::string safe;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '&') safe += "&amp;";
+    else if (c == '<') safe += "&lt;";
+    else if (c == '>') safe += "&gt;";
+    else if (c == '"') safe += "&quot;";
+    else if (byte < 0x20 || byte == 0x7f) safe += ' ';  // XML 1.0 has no control characters
+    else safe += c;
+  }
+  return safe;
+}
+
+/// `text` with anything that is not UTF-8 replaced by '?': file names may hold any bytes.
+std::string valid_utf8(const std::string &text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size();) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const std::size_t length = byte < 0x80 ? 1 : byte >= 0xc2 && byte < 0xe0 ? 2 : byte >= 0xe1 && byte < 0xed ? 3 : 0;
+    bool good = length > 0 && i + length <= text.size();
+    for (std::size_t k = 1; good && k < length; ++k) good = (static_cast<unsigned char>(text[i + k]) & 0xc0) == 0x80;
+    out += good ? text.substr(i, length) : "?";
+    i += good ? length : 1;
+  }
+  return out;
+}
+
+std::string clean(const std::string &text) { return escaped(valid_utf8(text)); }
+
+/// Pixels, to a hundredth.
+std::string px(double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.2f", std::clamp(std::isfinite(value) ? value : 0.0, -1e5, 1e5));
+  std::string s = text;
+  s.erase(s.find_last_not_of('0') + 1);
+  if (s.back() == '.') s.pop_back();
+  return s == "-0" ? "0" : s;
+}
+
+std::string power_of_ten(int exponent) {
+  static const std::array<const char *, 10> digit{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string text = exponent < 0 ? "10⁻" : "10";
+  for (const char c : std::to_string(std::abs(exponent))) text += digit[static_cast<std::size_t>(c - '0')];
+  return text;
+}
+
+std::string text_at(double x, double y, const std::string &text, const std::string &style) {
+  return "<text x=\"" + px(x) + "\" y=\"" + px(y) + "\" " + style + ">" + clean(text) + "</text>\n";
+}
+
+std::string line_at(double x1, double y1, double x2, double y2, const std::string &style) {
+  return "<line x1=\"" + px(x1) + "\" y1=\"" + px(y1) + "\" x2=\"" + px(x2) + "\" y2=\"" + px(y2) + "\" " + style +
+         "/>\n";
+}
+
+struct Tick {
+  double value;
+  std::string label;  // "" for a minor one
+};
+
+/// An axis with limits and ticks settled; maps values to 0..1.
+class Scale {
+ public:
+  Scale(const PlotAxis &axis, const std::vector<double> &values) : axis_(axis) {
+    find_limits(values);
+    axis_.log ? log_ticks_() : linear_ticks_();
+  }
+  double at(double value) const {
+    if (!std::isfinite(value) || (axis_.log && value <= 0)) return std::nan("");
+    return axis_.log ? std::log(value / low_) / std::log(high_ / low_) : (value - low_) / (high_ - low_);
+  }
+  const std::vector<Tick> &ticks() const { return ticks_; }
+  std::string title() const {
+    const std::string factor = exponent_ == 0 ? "" : power_of_ten(exponent_);
+    const std::string unit = factor + (factor.empty() || axis_.unit.empty() ? "" : " ") + axis_.unit;
+    return axis_.label + (unit.empty() ? "" : " [" + unit + "]");
+  }
+
+ private:
+  void find_limits(const std::vector<double> &values) {
+    bool any = false;
+    for (const double v : values) {
+      if (!std::isfinite(v) || (axis_.log && v <= 0)) continue;
+      low_ = any ? std::min(low_, v) : v;
+      high_ = any ? std::max(high_, v) : v;
+      any = true;
+    }
+    if (!any) low_ = axis_.log ? 1 : 0, high_ = axis_.log ? 10 : 1;
+    const auto usable = [this](std::optional<double> v) { return v && std::isfinite(*v) && (!axis_.log || *v > 0); };
+    const bool fixed_low = usable(axis_.low), fixed_high = usable(axis_.high);
+    if (fixed_low) low_ = *axis_.low;
+    if (fixed_high) high_ = *axis_.high;
+    low_ = std::clamp(low_, axis_.log ? 1e-300 : -1e300, 1e300);
+    high_ = std::clamp(high_, axis_.log ? 1e-300 : -1e300, 1e300);
+    if (!(high_ > low_)) widen();
+    if (axis_.log) {
+      if (high_ < low_ * 1.05) low_ /= 1.05, high_ *= 1.05;
+      return;
+    }
+    if (high_ - low_ < 1e-9 * std::max(std::abs(low_), std::abs(high_))) widen();
+    const double margin = 0.04 * (high_ - low_);
+    if (!fixed_low) low_ -= margin;
+    if (!fixed_high) high_ += margin;
+  }
+
+  void widen() {
+    const double middle = axis_.log ? std::max(low_, 1e-290) : low_;
+    const double by = axis_.log ? 0 : std::max(std::abs(middle) * 1e-3, 1e-12);
+    low_ = axis_.log ? middle / 1.5 : middle - by;
+    high_ = axis_.log ? middle * 1.5 : middle + by;
+  }
+
+  void linear_ticks_() {
+    const double largest = std::max(std::abs(low_), std::abs(high_));
+    const int magnitude = static_cast<int>(std::floor(std::log10(largest)));
+    if (magnitude >= 5 || magnitude <= -4) exponent_ = magnitude;
+    const std::vector<double> values = linear_ticks(low_, high_);
+    const double unit = std::pow(10.0, exponent_);
+    const double step = values.size() > 1 ? (values[1] - values[0]) / unit : 1;
+    const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-6)), 0, 12);
+    for (const double v : values) {
+      char text[64];
+      std::snprintf(text, sizeof text, "%.*f", decimals, v == 0 ? 0.0 : v / unit);
+      ticks_.push_back({v, text[0] == '-' ? "−" + std::string(text + 1) : text});
+    }
+  }
+
+  void log_ticks_() {
+    const int first = static_cast<int>(std::floor(std::log10(low_) - 1e-9));
+    const int last = static_cast<int>(std::ceil(std::log10(high_) + 1e-9));
+    const double decades = std::log10(high_ / low_);
+    if (decades < 0.7) return linear_ticks_();
+    const int stride = std::max(1, (last - first) / 8);
+    for (int d = first; d <= last; ++d)
+      for (int m = 1; m <= 9; ++m) {
+        const double v = m * std::pow(10.0, d);
+        if (v < low_ * (1 - 1e-9) || v > high_ * (1 + 1e-9)) continue;
+        const bool named = m == 1 ? (d - first) % stride == 0 : decades < 2 && (m == 2 || m == 5);
+        if (named) ticks_.push_back({v, (m == 1 ? "" : std::to_string(m) + "·") + power_of_ten(d)});
+        else if (decades < 8) ticks_.push_back({v, ""});
+      }
+  }
+
+  PlotAxis axis_;
+  double low_ = 0, high_ = 1;
+  int exponent_ = 0;
+  std::vector<Tick> ticks_;
+};
+
+/// One panel at its place in the picture.
+class PanelDrawing {
+ public:
+  PanelDrawing(const Plot &plot, const PlotPanel &panel, std::size_t index)
+      : panel_(panel),
+        index_(index),
+        left_(margin_left + static_cast<double>(index) * (plot.panel_width + gap)),
+        width_(plot.panel_width),
+        height_(plot.panel_height),
+        x_(panel.x, collect(&PlotLine::x)),
+        y_(panel.y, collect(&PlotLine::y)) {}
+
+  std::string draw() const {
+    const std::string clip = "panel" + std::to_string(index_);
+    const std::string frame = " x=\"" + px(left_) + "\" y=\"" + px(margin_top) + "\" width=\"" + px(width_) +
+                              "\" height=\"" + px(height_) + "\"";
+    std::string svg = "<clipPath id=\"" + clip + "\"><rect" + frame + "/></clipPath>\n<rect" + frame +
+                      " fill=\"#fbfbf9\"/>\n<g clip-path=\"url(#" + clip + ")\">\n" + bands() + grid();
+    for (const PlotLine &line : panel_.lines) svg += path(line);
+    svg += levels() + "</g>\n<rect" + frame + " fill=\"none\" stroke=\"#444\"/>\n" + labels() + legend();
+    return svg;
+  }
+
+ private:
+  std::vector<double> collect(std::vector<double> PlotLine::*values) const {
+    std::vector<double> all;
+    for (const PlotLine &line : panel_.lines) all.insert(all.end(), (line.*values).begin(), (line.*values).end());
+    return all;
+  }
+  double px_x(double fraction) const { return left_ + width_ * fraction; }
+  double px_y(double fraction) const { return margin_top + height_ * (1 - fraction); }
+
+  std::string bands() const {
+    std::string svg;
+    for (const PlotBand &band : panel_.bands) {
+      const double low = std::clamp(y_.at(band.low), -1.0, 2.0), high = std::clamp(y_.at(band.high), -1.0, 2.0);
+      if (!(high > low) || high < 0 || low > 1) continue;
+      const double tall = std::max(height_ * (high - low), 1.0);
+      svg += "<rect x=\"" + px(left_) + "\" y=\"" + px(px_y(high)) + "\" width=\"" + px(width_) + "\" height=\"" +
+             px(tall) + "\" fill=\"" + clean(band.colour) + "\" fill-opacity=\"0.22\"/>\n";
+      if (!band.name.empty() && tall > 12)
+        svg += text_at(left_ + width_ - 5, px_y(std::min(high, 1.0)) + 11, band.name,
+                       std::string(font) + " font-size=\"9.5\" fill=\"#7a4d00\" text-anchor=\"end\"");
+    }
+    return svg;
+  }
+
+  std::string grid() const {
+    std::string svg;
+    const auto style = [](const Tick &t) {
+      return std::string("stroke=\"") + (t.label.empty() ? "#eeeeea" : "#dcdcd6") + "\" stroke-width=\"0.8\"";
+    };
+    for (const Tick &t : x_.ticks())
+      svg += line_at(px_x(x_.at(t.value)), margin_top, px_x(x_.at(t.value)), margin_top + height_, style(t));
+    for (const Tick &t : y_.ticks())
+      svg += line_at(left_, px_y(y_.at(t.value)), left_ + width_, px_y(y_.at(t.value)), style(t));
+    return svg;
+  }
+
+  std::string path(const PlotLine &line) const {
+    std::string points;
+    bool broken = true;
+    for (std::size_t i = 0; i < std::min(line.x.size(), line.y.size()); ++i) {
+      const double x = x_.at(line.x[i]), y = y_.at(line.y[i]);
+      if (!std::isfinite(x) || !std::isfinite(y)) {
+        broken = true;
+        continue;
+      }
+      points += std::string(points.empty() ? "" : " ") + (broken ? "M" : "L") + px(px_x(x)) + " " + px(px_y(y));
+      broken = false;
+    }
+    if (points.empty()) return "";
+    return "<path d=\"" + points + "\" fill=\"none\" stroke=\"" + clean(line.colour) + "\" stroke-width=\"" +
+           px(line.width) + "\" stroke-linejoin=\"round\"" + (line.dashed ? " stroke-dasharray=\"6 4\"" : "") + "/>\n";
+  }
+
+  std::string levels() const {
+    std::string svg;
+    for (const PlotLevel &level : panel_.levels) {
+      const double y = y_.at(level.y);
+      if (!(y >= 0 && y <= 1)) continue;
+      const double at = px_y(y);
+      svg += line_at(left_, at, left_ + width_, at,
+                     "stroke=\"" + clean(level.colour) + "\" stroke-width=\"1.2\" stroke-dasharray=\"2 3\"");
+      svg += text_at(left_ + 5, y > 0.94 ? at + 11 : at - 4, level.name,
+                     std::string(font) + " font-size=\"9.5\" fill=\"" + clean(level.colour) + "\"");
+    }
+    return svg;
+  }
+
+  std::string labels() const {
+    const std::string small = std::string(font) + " font-size=\"11\" fill=\"#333\"";
+    std::string svg;
+    for (const Tick &t : x_.ticks())
+      if (!t.label.empty())
+        svg += text_at(px_x(x_.at(t.value)), margin_top + height_ + 16, t.label, small + " text-anchor=\"middle\"");
+    for (const Tick &t : y_.ticks())
+      if (!t.label.empty())
+        svg += text_at(left_ - 7, px_y(y_.at(t.value)) + 4, t.label, small + " text-anchor=\"end\"");
+    const std::string title = std::string(font) + " font-size=\"12\" fill=\"#111\" text-anchor=\"middle\"";
+    svg += text_at(left_ + width_ / 2, margin_top + height_ + 36, x_.title(), title);
+    if (!panel_.y.label.empty()) {
+      const double x = left_ - 50, y = margin_top + height_ / 2;
+      svg += text_at(x, y, y_.title(), title + " transform=\"rotate(-90 " + px(x) + " " + px(y) + ")\"");
+    }
+    return svg;
+  }
+
+  /// Below the axis, left to right; as many as fit in two rows, then how many more there are.
+  std::string legend() const {
+    std::vector<const PlotLine *> named;
+    for (const PlotLine &line : panel_.lines)
+      if (!line.name.empty() && std::none_of(named.begin(), named.end(), [&](const PlotLine *other) {
+            return other->name == line.name && other->colour == line.colour;
+          }))
+        named.push_back(&line);
+    std::string svg;
+    double x = left_, y = margin_top + height_ + 56;
+    for (std::size_t i = 0; i < named.size(); ++i) {
+      const PlotLine &line = *named[i];
+      const double wide = 32 + 6.4 * static_cast<double>(line.name.size());
+      if (x > left_ && x + wide > left_ + width_) x = left_, y += 16;
+      if (y > margin_top + height_ + 73) {
+        svg += text_at(left_ + width_, y - 16, "+ " + std::to_string(named.size() - i),
+                       std::string(font) + " font-size=\"10.5\" fill=\"#333\" text-anchor=\"end\"");
+        break;
+      }
+      svg += line_at(x, y - 4, x + 20, y - 4,
+                     "stroke=\"" + clean(line.colour) + "\" stroke-width=\"2.4\"" +
+                         (line.dashed ? " stroke-dasharray=\"6 4\"" : ""));
+      svg += text_at(x + 25, y, line.name, std::string(font) + " font-size=\"10.5\" fill=\"#333\"");
+      x += wide;
+    }
+    return svg;
+  }
+
+  const PlotPanel &panel_;
+  std::size_t index_;
+  double left_, width_, height_;
+  Scale x_, y_;
+};
+
+}  // namespace
+
+std::vector<double> linear_ticks(double low, double high, int wanted) {
+  std::vector<double> ticks;
+  if (!(high > low) || !std::isfinite(high - low) || wanted < 1) return ticks;
+  const double rough = (high - low) / wanted, decade = std::pow(10.0, std::floor(std::log10(rough)));
+  double step = 10 * decade;
+  for (const double nice : {5.0, 2.0, 1.0})
+    if (nice * decade >= rough * (1 - 1e-9)) step = nice * decade;
+  for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k) ticks.push_back(k * step);
+  return ticks;
+}
+
+std::string wavelength_colour(double wavelength_nm) {
+  const Xyz seen = colour_matching(std::clamp(std::isfinite(wavelength_nm) ? wavelength_nm : 550.0, 410.0, 670.0));
+  OkLab lab = oklab_from_rgb(rgb_from_xyz(seen));
+  const double chroma = std::hypot(lab[1], lab[2]), wanted = 0.2;
+  if (chroma > 0) lab[1] *= wanted / chroma, lab[2] *= wanted / chroma;
+  lab[0] = 0.58;
+  Rgb rgb = rgb_from_oklab(lab);
+  map_into_gamut(rgb);
+  char text[16];
+  const auto byte = [](double v) {
+    return static_cast<unsigned>(std::lround(255 * std::clamp(srgb_encode(v), 0.0, 1.0)));
+  };
+  std::snprintf(text, sizeof text, "#%02x%02x%02x", byte(rgb[0]), byte(rgb[1]), byte(rgb[2]));
+  return text;
+}
+
+std::string draw_svg(const Plot &plot) {
+  const double panels = static_cast<double>(plot.panels.size());
+  const double width = margin_left + margin_right + panels * plot.panel_width + std::max(0.0, panels - 1) * gap;
+  const double height = margin_top + plot.panel_height + margin_bottom;
+  std::string svg =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
+      "version=\"1.1\" width=\"" +
+      px(width) + "\" height=\"" + px(height) + "\" viewBox=\"0 0 " + px(width) + " " + px(height) + "\">\n<title>" +
+      clean(plot.title) + "</title>\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
+  svg +=
+      text_at(margin_left, 26, plot.title, std::string(font) + " font-size=\"16\" font-weight=\"bold\" fill=\"#111\"");
+  svg += text_at(margin_left, 46, plot.subtitle, std::string(font) + " font-size=\"11.5\" fill=\"#555\"");
+  for (std::size_t i = 0; i < plot.panels.size(); ++i) svg += PanelDrawing(plot, plot.panels[i], i).draw();
+  return svg + "</svg>\n";
+}
+
+}  // namespace greenray
