@@ -37,17 +37,17 @@ double evaluate(const Cubic &c, double t) { return c[0] + t * (c[1] + t * (c[2] 
 
 class Builder {
  public:
-  Builder(const Profile &profile, const std::vector<double> &wavelength_nm, const IndexTableOptions &options)
-      : profile_(profile), options_(options) {
+  Builder(const LayeredMedium &medium, const std::vector<double> &wavelength_nm, const IndexTableOptions &options)
+      : medium_(medium), options_(options) {
     table_.wavelength_nm = wavelength_nm;
-    table_.curvature_per_m = options.flat ? 0 : 1 / profile.spec().earth_radius_m;
+    table_.curvature_per_m = medium.radius_m > 0 ? 1 / medium.radius_m : 0;
     reference_nm_ = *std::min_element(wavelength_nm.begin(), wavelength_nm.end());
   }
 
   IndexTable build() {
-    const double top_m = profile_.top_m(options_.flat);
+    const double top_m = medium_.top_m;
     std::vector<double> edges{0.0};
-    for (double kink : profile_.kinks_m())
+    for (double kink : medium_.kinks_m)
       if (kink < top_m) edges.push_back(kink);
     edges.push_back(top_m);
     for (std::size_t i = 0; i + 1 < edges.size(); ++i) place(edges[i], edges[i + 1]);
@@ -72,7 +72,7 @@ class Builder {
 
   /// d(ln n)/dz; at the edges of the interval from inside, so that a kink belongs to the right side.
   double gradient(double h, double wavelength_nm) const {
-    const Dual v = profile_.refractivity(h, wavelength_nm);
+    const Dual v = medium_.refractivity(h, wavelength_nm);
     return v.slope / (1 + v.value) * (1 + h * table_.curvature_per_m);
   }
 
@@ -92,7 +92,7 @@ class Builder {
       const double inside = std::clamp(t, 1e-9, 1 - 1e-9);
       worst = std::max(worst, std::abs(evaluate(c, inside) - gradient(geometric(z0 + dz * inside), reference_nm_)));
     }
-    const double radius_m = options_.flat ? 1e7 : profile_.spec().earth_radius_m;
+    const double radius_m = medium_.radius_m > 0 ? medium_.radius_m : 1e7;
     return worst * std::max(dz, std::sqrt(8 * dz * radius_m));
   }
 
@@ -101,7 +101,7 @@ class Builder {
     const double width = top_h - bottom_h;
     const Knot knot{bottom_h, top_h};
     const bool hides_a_feature = feature_inside(bottom_h, top_h);
-    const double residual = width > 8000 || hides_a_feature ? 1e9 : residual_rad(knot);
+    const double residual = width > medium_.top_m / 15 || hides_a_feature ? 1e9 : residual_rad(knot);
     if (residual > wanted_rad && width > 1e-6 * std::max(1.0, bottom_h)) {
       const double middle = 0.5 * (bottom_h + top_h);
       place(bottom_h, middle);
@@ -111,21 +111,21 @@ class Builder {
     worst_rad_ = std::max(worst_rad_, residual);
     knots_.push_back(knot);
     if (knots_.size() > most_cells)
-      throw InputError(profile_.spec().place, "the profile needs more than 100000 table cells for an error of " +
+      throw InputError(medium_.place, "the profile needs more than 100000 table cells for an error of " +
                                                   std::to_string(options_.error_arcsec) +
                                                   " arcsec: expected a smoother profile or a larger error");
   }
 
   /// A thin layer could hide between the probes of a wide cell: halve until the cell is no wider than the gap of the hints.
   bool feature_inside(double bottom_h, double top_h) const {
-    const auto &f = profile_.features_m();
+    const auto &f = medium_.features_m;
     const auto first = std::lower_bound(f.begin(), f.end(), bottom_h);
     const auto last = std::lower_bound(f.begin(), f.end(), top_h);
     return last - first > 6;
   }
 
   void fill_row(double wavelength_nm) {
-    const double q_top = std::log1p(profile_.refractivity(profile_.top_m(options_.flat), wavelength_nm).value);
+    const double q_top = std::log1p(medium_.refractivity(medium_.top_m, wavelength_nm).value);
     std::vector<IndexCellData> row;
     for (const Knot &k : knots_) row.push_back(make_cell(k, wavelength_nm));
     // ln n is summed downwards from its value at the top, where it is smallest.
@@ -140,7 +140,7 @@ class Builder {
     table_.cells.insert(table_.cells.end(), row.begin(), row.end());
   }
 
-  bool k_is_vacuum(const Knot &k) const { return k.bottom_h_m >= profile_.top_m(options_.flat); }
+  bool k_is_vacuum(const Knot &k) const { return k.bottom_h_m >= medium_.top_m; }
 
   IndexCellData make_cell(const Knot &k, double wavelength_nm) const {
     IndexCellData c{};
@@ -150,7 +150,7 @@ class Builder {
       const Cubic g = fit_gradient(k, wavelength_nm);
       std::copy(g.begin(), g.end(), c.gradient);
       std::array<double, 4> rho{};
-      for (std::size_t i = 0; i < 4; ++i) rho[i] = profile_.density_kg_m3(geometric(c.bottom_m + c.thickness_m * node[i]));
+      for (std::size_t i = 0; i < 4; ++i) rho[i] = medium_.density_kg_m3(geometric(c.bottom_m + c.thickness_m * node[i]));
       const Cubic d = cubic_through(rho);
       std::copy(d.begin(), d.end(), c.density);
     }
@@ -168,7 +168,7 @@ class Builder {
     return std::max(2 * c.thickness_m, std::sqrt(8 * c.thickness_m / steepest));
   }
 
-  const Profile &profile_;
+  const LayeredMedium &medium_;
   IndexTableOptions options_;
   IndexTable table_;
   double reference_nm_ = 550;
@@ -178,9 +178,26 @@ class Builder {
 
 }  // namespace
 
+LayeredMedium layered_medium(const Profile &profile, bool flat) {
+  LayeredMedium medium;
+  medium.refractivity = [&profile](double h, double nm) { return profile.refractivity(h, nm); };
+  medium.density_kg_m3 = [&profile](double h) { return profile.density_kg_m3(h); };
+  medium.kinks_m = profile.kinks_m();
+  medium.features_m = profile.features_m();
+  medium.top_m = profile.top_m(flat);
+  medium.radius_m = flat ? 0 : profile.spec().earth_radius_m;
+  medium.place = profile.spec().place;
+  return medium;
+}
+
+IndexTable build_index_table(const LayeredMedium &medium, const std::vector<double> &wavelength_nm,
+                             const IndexTableOptions &options) {
+  return Builder(medium, wavelength_nm, options).build();
+}
+
 IndexTable build_index_table(const Profile &profile, const std::vector<double> &wavelength_nm,
                              const IndexTableOptions &options) {
-  return Builder(profile, wavelength_nm, options).build();
+  return build_index_table(layered_medium(profile, options.flat), wavelength_nm, options);
 }
 
 std::size_t IndexTable::find(double z_m) const {

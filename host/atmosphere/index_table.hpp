@@ -1,5 +1,6 @@
 // n(h, lambda) tabulated for the device: rows of cells, each a cubic of d(ln n)/dz (kernels/shared/index_table.h).
 #pragma once
+#include <functional>
 #include <vector>
 
 #include "atmosphere/profile.hpp"
@@ -28,14 +29,30 @@ struct IndexTable {
   double log_index(std::size_t row, double z_m) const;
 };
 
+/// Any medium in layers, for the builder: air from a Profile, or a closed form in a test.
+struct LayeredMedium {
+  std::function<Dual(double height_m, double wavelength_nm)> refractivity;  // n-1 and its slope by height [1/m]
+  std::function<double(double height_m)> density_kg_m3;                     // for air mass and extinction
+  std::vector<double> kinks_m;      // ascending: where a slope jumps
+  std::vector<double> features_m;   // ascending: where it changes quickly
+  double top_m = 0;                 // vacuum above
+  double radius_m = 0;              // of the sphere whose surface is height 0; 0: flat
+  SourcePlace place;                // for complaints
+};
+
+/// The medium of a profile. The profile must outlive it.
+LayeredMedium layered_medium(const Profile &profile, bool flat);
+
 struct IndexTableOptions {
-  bool flat = false;
+  bool flat = false;                // of a Profile
   double error_arcsec = 0.003;      // wanted: error of the bending of a grazing ray that this table causes
   double observer_m = 0;            // a vacuum cell is added when the eye is above the air
 };
 
 /// Places the knots by itself: cells end at kinks and are halved until the cubic's residual, held for the longest path a ray
 /// can spend in the cell, bends by less than the error asked for. Throws InputError when that needs more than 100000 cells.
+IndexTable build_index_table(const LayeredMedium &medium, const std::vector<double> &wavelength_nm,
+                             const IndexTableOptions &options);
 IndexTable build_index_table(const Profile &profile, const std::vector<double> &wavelength_nm,
                              const IndexTableOptions &options);
 

@@ -9,7 +9,7 @@ namespace greenray::cli {
 namespace {
 
 std::vector<Command> all_commands() {
-  return {devices_command(), refraction_command(), trace_command()};
+  return {devices_command(), refraction_command(), trace_command(), profile_command()};
 }
 
 std::string overview(const std::vector<Command> &commands) {

@@ -1,10 +1,13 @@
 // greenray trace: where rays are after given distances along the surface.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "atmosphere/profile_file.hpp"
+#include "cli/air_plot.hpp"
 #include "cli/commands.hpp"
 #include "render/refraction.hpp"
+#include "support/atomic_file.hpp"
 #include "support/version.hpp"
 
 namespace greenray::cli {
@@ -59,11 +62,25 @@ std::string as_json(const std::vector<TraceRow> &rows, const TraceRequest &reque
   return out.dump(1) + "\n";
 }
 
+/// The rays again at 200 steps to the longest distance asked for, as a picture.
+std::string drawing(TraceRequest request, const Profile &profile, const std::shared_ptr<Device> &device) {
+  const double longest_m = *std::max_element(request.distances_m.begin(), request.distances_m.end());
+  constexpr int steps = 200;
+  request.distances_m.clear();
+  for (int i = 0; i <= steps; ++i) request.distances_m.push_back(longest_m * i / steps);
+  return draw_svg(ray_plot(trace_table(profile, request, device), request, profile));
+}
+
 int run(const Arguments &a) {
   const TraceRequest request = request_from(a);
   const Profile profile(load_profile(a.positional()[0], ".", a.positional_place(0)));
-  const std::vector<TraceRow> rows = trace_table(profile, request, open_device(device_options(a)));
   const bool json = a.choice("--format", {"csv", "json"}, a.has("--json") ? "json" : "csv") == "json";
+  const bool plot = a.has("--plot");
+  if (plot && *std::max_element(request.distances_m.begin(), request.distances_m.end()) <= 0)
+    a.fail("--plot", "nothing to draw: expected a distance above 0 in --distances");
+  const std::shared_ptr<Device> device = open_device(device_options(a));
+  const std::vector<TraceRow> rows = trace_table(profile, request, device);
+  if (plot) write_file_atomically(a.text("--plot"), drawing(request, profile, device));
   emit(a, json ? as_json(rows, request, profile) : as_csv(rows, request, profile));
   return 0;
 }
