@@ -63,4 +63,7 @@ Diagnosis diagnose(const Profile &profile, std::optional<double> eye_height_m = 
 /// A number for a sentence: `significant` digits, never an exponent ("0.1286", "12000").
 std::string plain_number(double value, int significant = 3);
 
+/// An angle for a sentence, in the unit that fits its size: deg, arc-minutes or arc-seconds.
+std::string plain_angle(double angle_rad);
+
 }  // namespace greenray

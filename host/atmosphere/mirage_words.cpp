@@ -17,22 +17,14 @@ constexpr double weather_top_m = 5000.0;        // inversions higher up leave no
 std::string metres(double m) { return plain_number(m) + " m"; }
 std::string range_of(double bottom_m, double top_m) { return plain_number(bottom_m) + " to " + metres(top_m); }
 
-/// An angle in words that fit its size.
-std::string angle(double rad) {
-  const double deg = to_deg(rad);
-  return deg >= 1      ? plain_number(deg) + " deg"
-         : deg >= 0.02 ? plain_number(deg * 60) + " arc-minutes"
-                       : plain_number(deg * 3600) + " arc-seconds";
-}
-
 /// Elevation at M `from` of the ray that is level at M `to`, if there is one.
 std::optional<double> elevation_rad(double from, double to) {
   return from < to ? std::nullopt : std::optional(std::acos(std::exp(to - from)));
 }
 
-/// Mean k from the ground to the eye (2 m without one).
+/// Mean k from the ground to the eye (2 m without one), of the lowest 50 m at most.
 std::string looming(const Profile &profile, std::optional<double> eye_m) {
-  const double upto_m = std::max(eye_m.value_or(2.0), 0.5);
+  const double upto_m = std::clamp(eye_m.value_or(2.0), 0.5, 50.0);
   const double fall = std::log1p(profile.refractivity(0, diagnosis_wavelength_nm).value) -
                       std::log1p(profile.refractivity(upto_m, diagnosis_wavelength_nm).value);
   const double k = fall / upto_m * profile.spec().earth_radius_m;
@@ -55,22 +47,22 @@ std::string rising(const Profile &profile, const SuperadiabaticLayer &layer, std
   const double rise = std::log1p(profile.refractivity(turned_from_m, diagnosis_wavelength_nm).value) -
                       std::log1p(profile.refractivity(layer.bottom_m, diagnosis_wavelength_nm).value);
   return "Inferior mirage: " + where + "; the layer turns back rays that enter it at less than " +
-         angle(std::acos(std::exp(-std::max(rise, 0.0)))) + " below level, as if from a sheet of water";
+         plain_angle(std::acos(std::exp(-std::max(rise, 0.0)))) + " below level, as if from a sheet of water";
 }
 
 std::string about(const Profile &profile, const Duct &duct, std::optional<double> eye_m) {
   const std::string where =
       "duct from " + range_of(duct.bottom_m, duct.top_m) + " (traps from " + metres(duct.trapping_bottom_m) + ")";
   if (!eye_m)
-    return "Superior mirage: " + where + ", holds rays up to " + angle(to_rad(duct.widest_trapped_deg)) +
+    return "Superior mirage: " + where + ", holds rays up to " + plain_angle(to_rad(duct.widest_trapped_deg)) +
            " from level; towering or Fata Morgana from within it, mock mirages from above it";
   const double top = modified_index(profile, duct.top_m), eye = modified_index(profile, *eye_m);
   const std::optional<double> limit = elevation_rad(eye, top);
   if (*eye_m > duct.top_m)
     return "Mock mirage: " + where + " below the eye" +
-           (limit ? "; slices of a low Sun repeat near " + angle(*limit) + " below level" : "");
+           (limit ? "; slices of a low Sun repeat near " + plain_angle(*limit) + " below level" : "");
   if (*eye_m >= duct.bottom_m && limit)
-    return "Superior mirage: the eye is in the " + where + "; rays within " + angle(*limit) +
+    return "Superior mirage: the eye is in the " + where + "; rays within " + plain_angle(*limit) +
            " of level are held and follow the surface: towering and Fata Morgana, and no light of the sky in that "
            "strip";
   return "Superior mirage of far things only: " + where +
@@ -99,6 +91,12 @@ std::string plain_number(double value, int significant) {
   const double rounded = std::strtod(text, nullptr);
   const auto end = std::to_chars(text, text + sizeof text, rounded, std::chars_format::fixed).ptr;
   return std::string(text, end);
+}
+
+std::string plain_angle(double angle_rad) {
+  const double deg = to_deg(angle_rad);
+  if (deg >= 1) return plain_number(deg) + " deg";
+  return deg >= 0.02 ? plain_number(deg * 60) + " arc-minutes" : plain_number(deg * 3600) + " arc-seconds";
 }
 
 std::vector<std::string> mirages_to_expect(const Profile &profile, const Diagnosis &found,

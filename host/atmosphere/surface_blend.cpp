@@ -6,6 +6,7 @@
 #include <string>
 
 #include "atmosphere/diagnosis.hpp"
+#include "atmosphere/profile.hpp"
 #include "atmosphere/temperature_curve.hpp"
 
 namespace greenray {
@@ -13,6 +14,7 @@ namespace {
 
 constexpr double ice_point_K = 273.15;
 constexpr double left_at_top = 0.01;
+constexpr double joins_by = 2;  // rows up to this many top_m give way, so that no step of a metre bends light by itself
 
 std::string celsius(double temperature_K) { return plain_number(temperature_K - ice_point_K, 4) + " C"; }
 
@@ -38,6 +40,7 @@ std::optional<double> humidity_at(const std::vector<Level> &levels, double heigh
 
 void set_air_below(ProfileSpec &spec, double air_K, double top_m) {
   const TemperatureCurve whole(spec), rows_alone = bare(spec);
+  const double surface_Pa = Profile(spec).spec().surface_pressure_Pa;  // the dropped rows may be those that tell it
   std::vector<Level> levels;
   for (const double h : std::array{0.0, top_m}) {
     Level level;
@@ -47,13 +50,17 @@ void set_air_below(ProfileSpec &spec, double air_K, double top_m) {
     level.place = spec.place;
     levels.push_back(level);
   }
+  spec.surface_pressure_Pa = surface_Pa;
+  levels.front().pressure_Pa = surface_Pa;
+  const double difference_K = air_K - whole(top_m).value;
   std::size_t dropped = 0;
   for (const Level &level : spec.levels) {
-    if (level.height_m > top_m) levels.push_back(level);
+    if (level.height_m > joins_by * top_m) levels.push_back(level);
     else ++dropped;
   }
   spec.notes.push_back("surface layer: air of " + celsius(air_K) + " up to " + plain_number(top_m) + " m in place of " +
-                       std::to_string(dropped) + " rows");
+                       std::to_string(dropped) + " rows; that is " + plain_number(std::abs(difference_K), 2) + " K " +
+                       (difference_K < 0 ? "below" : "above") + " the profile's own at that height");
   spec.levels = std::move(levels);
 }
 
@@ -68,11 +75,7 @@ void blend_surface(ProfileSpec &spec, const SurfaceBlend &blend, const SourcePla
   if (!sensible(blend.water_K)) throw InputError(place, "water_C: expected a number from -173.15 to 1726.85 C");
   if (blend.air_K && !sensible(*blend.air_K))
     throw InputError(place, "air_C: expected a number from -173.15 to 1726.85 C");
-  // The pressure rows that are dropped have said what they can: the pressure at the surface.
-  if (blend.air_K) {
-    if (!spec.levels.empty()) spec.surface_pressure_Pa = Profile(spec).spec().surface_pressure_Pa;
-    set_air_below(spec, *blend.air_K, blend.top_m);
-  }
+  if (blend.air_K) set_air_below(spec, *blend.air_K, blend.top_m);
   const double air_K = TemperatureCurve(spec)(0).value;
   SurfaceLayerSpec layer;
   layer.delta_T_K = blend.water_K - air_K;

@@ -74,7 +74,7 @@ Plot air_plot(const Profile &profile, const Diagnosis &diagnosis, const std::vec
   const HeightUnit unit(top_m);
   const std::vector<double> h = drawn_heights(profile, std::min(top_m, profile.top_m(!profile.is_air())));
   PlotLine temperature{"", "#b5382a", {}, {}}, pressure{"", "#3d5a80", {}, {}};
-  PlotPanel index{{"n − 1", ""}, {"", ""}, {}, {}, {}}, gradient{{"d(n − 1)/dh", "1/m"}, {"", ""}, {}, {}, {}};
+  PlotPanel index{{"n − 1", ""}, {"", ""}, {}, {}, {}}, gradient{{"d(n − 1)/dh", "m⁻¹"}, {"", ""}, {}, {}, {}};
   std::vector<double> drawn;
   for (const double height_m : h) drawn.push_back(unit(height_m));
   if (profile.is_air())

@@ -1,15 +1,19 @@
 // The command line: finds the command, runs it, turns each kind of failure into one message and one exit code.
+#include <signal.h>
+
 #include <algorithm>
 #include <iostream>
 
 #include "cli/commands.hpp"
+#include "render/renderer.hpp"
 #include "support/version.hpp"
 
 namespace greenray::cli {
 namespace {
 
 std::vector<Command> all_commands() {
-  return {devices_command(), refraction_command(), trace_command(), profile_command()};
+  return {render_command(), check_command(), scenes_command(),     new_command(),    profile_command(), refraction_command(),
+          trace_command(),  develop_command(), compare_command(), devices_command()};
 }
 
 std::string overview(const std::vector<Command> &commands) {
@@ -53,7 +57,19 @@ int dispatch(const std::vector<std::string> &words) {
 }  // namespace
 }  // namespace greenray::cli
 
+/// The first interrupt asks the work to stop between batches, with nothing half-written; a second one kills as usual.
+static void install_signal_handlers() {
+  struct sigaction stop {};
+  stop.sa_handler = [](int) { greenray::request_stop(); };
+  stop.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigaction(SIGINT, &stop, nullptr);
+  sigaction(SIGTERM, &stop, nullptr);
+  signal(SIGXFSZ, SIG_IGN);  // a file-size limit then shows as a failed write
+  signal(SIGPIPE, SIG_IGN);
+}
+
 int main(int count, char **words) {
+  install_signal_handlers();
   try {
     return greenray::cli::dispatch({words + 1, words + count});
   } catch (const greenray::InputError &error) {

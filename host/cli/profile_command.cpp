@@ -10,6 +10,7 @@
 #include "atmosphere/surface_blend.hpp"
 #include "cli/air_plot.hpp"
 #include "cli/commands.hpp"
+#include "support/angle.hpp"
 #include "support/atomic_file.hpp"
 #include "support/version.hpp"
 
@@ -112,7 +113,7 @@ std::string header(const Profile &profile, const Diagnosis &diagnosis) {
   for (const Duct &d : diagnosis.ducts)
     text += comment("duct: " + range(d.bottom_m, d.top_m) + ", trapping layer from " +
                     plain_number(d.trapping_bottom_m, 5) + " m, holds rays within " +
-                    plain_number(d.widest_trapped_deg * 60) + " arc-minutes of level");
+                    plain_angle(to_rad(d.widest_trapped_deg)) + " of level");
   for (const Inversion &v : diagnosis.inversions)
     text += comment("inversion: " + range(v.bottom_m, v.top_m) + ", " + plain_number(v.rise_K) + " K, at most " +
                     plain_number(v.steepest_K_m) + " K/m");

@@ -14,6 +14,7 @@ struct BuildPlan {
   bool table_is_image = false;
   bool richardson = false;
   bool with_columns = true;
+  int sky_waves = 0;                 // shade_sky: wavelengths, padded to whole groups of lanes
 };
 
 std::string build_options(const BuildPlan &plan);

@@ -1,11 +1,11 @@
 #include "image/svg.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 
 #include "image/colour.hpp"
+#include "image/svg_scale.hpp"
 
 namespace greenray {
 namespace {
@@ -53,115 +53,25 @@ std::string px(double value) {
   return s == "-0" ? "0" : s;
 }
 
-std::string power_of_ten(int exponent) {
-  static const std::array<const char *, 10> digit{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
-  std::string text = exponent < 0 ? "10⁻" : "10";
-  for (const char c : std::to_string(std::abs(exponent))) text += digit[static_cast<std::size_t>(c - '0')];
-  return text;
-}
-
 std::string text_at(double x, double y, const std::string &text, const std::string &style) {
   return "<text x=\"" + px(x) + "\" y=\"" + px(y) + "\" " + style + ">" + clean(text) + "</text>\n";
+}
+
+/// `text` cut to a width in pixels, for letters of `size` pixels.
+std::string shortened(const std::string &text, double width, double size) {
+  const auto fit = static_cast<std::size_t>(std::max(1.0, width / (0.56 * size)));
+  std::size_t letters = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool begins_letter = (static_cast<unsigned char>(text[i]) & 0xc0) != 0x80;
+    if (begins_letter && ++letters > fit) return text.substr(0, i) + "…";
+  }
+  return text;
 }
 
 std::string line_at(double x1, double y1, double x2, double y2, const std::string &style) {
   return "<line x1=\"" + px(x1) + "\" y1=\"" + px(y1) + "\" x2=\"" + px(x2) + "\" y2=\"" + px(y2) + "\" " + style +
          "/>\n";
 }
-
-struct Tick {
-  double value;
-  std::string label;  // "" for a minor one
-};
-
-/// An axis with limits and ticks settled; maps values to 0..1.
-class Scale {
- public:
-  Scale(const PlotAxis &axis, const std::vector<double> &values) : axis_(axis) {
-    find_limits(values);
-    axis_.log ? log_ticks_() : linear_ticks_();
-  }
-  double at(double value) const {
-    if (!std::isfinite(value) || (axis_.log && value <= 0)) return std::nan("");
-    return axis_.log ? std::log(value / low_) / std::log(high_ / low_) : (value - low_) / (high_ - low_);
-  }
-  const std::vector<Tick> &ticks() const { return ticks_; }
-  std::string title() const {
-    const std::string factor = exponent_ == 0 ? "" : power_of_ten(exponent_);
-    const std::string unit = factor + (factor.empty() || axis_.unit.empty() ? "" : " ") + axis_.unit;
-    return axis_.label + (unit.empty() ? "" : " [" + unit + "]");
-  }
-
- private:
-  void find_limits(const std::vector<double> &values) {
-    bool any = false;
-    for (const double v : values) {
-      if (!std::isfinite(v) || (axis_.log && v <= 0)) continue;
-      low_ = any ? std::min(low_, v) : v;
-      high_ = any ? std::max(high_, v) : v;
-      any = true;
-    }
-    if (!any) low_ = axis_.log ? 1 : 0, high_ = axis_.log ? 10 : 1;
-    const auto usable = [this](std::optional<double> v) { return v && std::isfinite(*v) && (!axis_.log || *v > 0); };
-    const bool fixed_low = usable(axis_.low), fixed_high = usable(axis_.high);
-    if (fixed_low) low_ = *axis_.low;
-    if (fixed_high) high_ = *axis_.high;
-    low_ = std::clamp(low_, axis_.log ? 1e-300 : -1e300, 1e300);
-    high_ = std::clamp(high_, axis_.log ? 1e-300 : -1e300, 1e300);
-    if (!(high_ > low_)) widen();
-    if (axis_.log) {
-      if (high_ < low_ * 1.05) low_ /= 1.05, high_ *= 1.05;
-      return;
-    }
-    if (high_ - low_ < 1e-9 * std::max(std::abs(low_), std::abs(high_))) widen();
-    const double margin = 0.04 * (high_ - low_);
-    if (!fixed_low) low_ -= margin;
-    if (!fixed_high) high_ += margin;
-  }
-
-  void widen() {
-    const double middle = axis_.log ? std::max(low_, 1e-290) : low_;
-    const double by = axis_.log ? 0 : std::max(std::abs(middle) * 1e-3, 1e-12);
-    low_ = axis_.log ? middle / 1.5 : middle - by;
-    high_ = axis_.log ? middle * 1.5 : middle + by;
-  }
-
-  void linear_ticks_() {
-    const double largest = std::max(std::abs(low_), std::abs(high_));
-    const int magnitude = static_cast<int>(std::floor(std::log10(largest)));
-    if (magnitude >= 5 || magnitude <= -4) exponent_ = magnitude;
-    const std::vector<double> values = linear_ticks(low_, high_);
-    const double unit = std::pow(10.0, exponent_);
-    const double step = values.size() > 1 ? (values[1] - values[0]) / unit : 1;
-    const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-6)), 0, 12);
-    for (const double v : values) {
-      char text[64];
-      std::snprintf(text, sizeof text, "%.*f", decimals, v == 0 ? 0.0 : v / unit);
-      ticks_.push_back({v, text[0] == '-' ? "−" + std::string(text + 1) : text});
-    }
-  }
-
-  void log_ticks_() {
-    const int first = static_cast<int>(std::floor(std::log10(low_) - 1e-9));
-    const int last = static_cast<int>(std::ceil(std::log10(high_) + 1e-9));
-    const double decades = std::log10(high_ / low_);
-    if (decades < 0.7) return linear_ticks_();
-    const int stride = std::max(1, (last - first) / 8);
-    for (int d = first; d <= last; ++d)
-      for (int m = 1; m <= 9; ++m) {
-        const double v = m * std::pow(10.0, d);
-        if (v < low_ * (1 - 1e-9) || v > high_ * (1 + 1e-9)) continue;
-        const bool named = m == 1 ? (d - first) % stride == 0 : decades < 2 && (m == 2 || m == 5);
-        if (named) ticks_.push_back({v, (m == 1 ? "" : std::to_string(m) + "·") + power_of_ten(d)});
-        else if (decades < 8) ticks_.push_back({v, ""});
-      }
-  }
-
-  PlotAxis axis_;
-  double low_ = 0, high_ = 1;
-  int exponent_ = 0;
-  std::vector<Tick> ticks_;
-};
 
 /// One panel at its place in the picture.
 class PanelDrawing {
@@ -212,12 +122,12 @@ class PanelDrawing {
 
   std::string grid() const {
     std::string svg;
-    const auto style = [](const Tick &t) {
+    const auto style = [](const PlotTick &t) {
       return std::string("stroke=\"") + (t.label.empty() ? "#eeeeea" : "#dcdcd6") + "\" stroke-width=\"0.8\"";
     };
-    for (const Tick &t : x_.ticks())
+    for (const PlotTick &t : x_.ticks())
       svg += line_at(px_x(x_.at(t.value)), margin_top, px_x(x_.at(t.value)), margin_top + height_, style(t));
-    for (const Tick &t : y_.ticks())
+    for (const PlotTick &t : y_.ticks())
       svg += line_at(left_, px_y(y_.at(t.value)), left_ + width_, px_y(y_.at(t.value)), style(t));
     return svg;
   }
@@ -256,10 +166,10 @@ class PanelDrawing {
   std::string labels() const {
     const std::string small = std::string(font) + " font-size=\"11\" fill=\"#333\"";
     std::string svg;
-    for (const Tick &t : x_.ticks())
+    for (const PlotTick &t : x_.ticks())
       if (!t.label.empty())
         svg += text_at(px_x(x_.at(t.value)), margin_top + height_ + 16, t.label, small + " text-anchor=\"middle\"");
-    for (const Tick &t : y_.ticks())
+    for (const PlotTick &t : y_.ticks())
       if (!t.label.empty())
         svg += text_at(left_ - 7, px_y(y_.at(t.value)) + 4, t.label, small + " text-anchor=\"end\"");
     const std::string title = std::string(font) + " font-size=\"12\" fill=\"#111\" text-anchor=\"middle\"";
@@ -302,21 +212,10 @@ class PanelDrawing {
   const PlotPanel &panel_;
   std::size_t index_;
   double left_, width_, height_;
-  Scale x_, y_;
+  PlotScale x_, y_;
 };
 
 }  // namespace
-
-std::vector<double> linear_ticks(double low, double high, int wanted) {
-  std::vector<double> ticks;
-  if (!(high > low) || !std::isfinite(high - low) || wanted < 1) return ticks;
-  const double rough = (high - low) / wanted, decade = std::pow(10.0, std::floor(std::log10(rough)));
-  double step = 10 * decade;
-  for (const double nice : {5.0, 2.0, 1.0})
-    if (nice * decade >= rough * (1 - 1e-9)) step = nice * decade;
-  for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k) ticks.push_back(k * step);
-  return ticks;
-}
 
 std::string wavelength_colour(double wavelength_nm) {
   const Xyz seen = colour_matching(std::clamp(std::isfinite(wavelength_nm) ? wavelength_nm : 550.0, 410.0, 670.0));
@@ -343,9 +242,10 @@ std::string draw_svg(const Plot &plot) {
       "version=\"1.1\" width=\"" +
       px(width) + "\" height=\"" + px(height) + "\" viewBox=\"0 0 " + px(width) + " " + px(height) + "\">\n<title>" +
       clean(plot.title) + "</title>\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
-  svg +=
-      text_at(margin_left, 26, plot.title, std::string(font) + " font-size=\"16\" font-weight=\"bold\" fill=\"#111\"");
-  svg += text_at(margin_left, 46, plot.subtitle, std::string(font) + " font-size=\"11.5\" fill=\"#555\"");
+  svg += text_at(margin_left, 26, shortened(plot.title, width - margin_left - 20, 17),
+                 std::string(font) + " font-size=\"16\" font-weight=\"bold\" fill=\"#111\"");
+  svg += text_at(margin_left, 46, shortened(plot.subtitle, width - margin_left - 20, 11.5),
+                 std::string(font) + " font-size=\"11.5\" fill=\"#555\"");
   for (std::size_t i = 0; i < plot.panels.size(); ++i) svg += PanelDrawing(plot, plot.panels[i], i).draw();
   return svg + "</svg>\n";
 }

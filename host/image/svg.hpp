@@ -26,7 +26,7 @@ struct PlotLine {
 /// A shaded stretch of the y axis, over the panel's full width.
 struct PlotBand {
   double low = 0, high = 0;
-  std::string name;  // written inside, once there is room
+  std::string name = "";  // written inside, once there is room
   std::string colour = "#f2a541";
 };
 

@@ -44,7 +44,7 @@ struct SunScene {
 
 struct SkyScene {
   enum class Model { plain, academic } model = Model::plain;  // academic: black sky, white disk, no extinction (G04 figs 6.2, 6.3)
-  double sea_reflectance = 0.06;
+  double sea_reflectance = 0.35;             // of the sky light a low view meets, waves included
 };
 
 struct SpectrumScene {

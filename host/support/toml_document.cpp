@@ -37,12 +37,15 @@ class TextScanner {
     if (comment_) return 1;
     if (quotes_ == 0) {
       comment_ = c == '#';
+      if (c == '.') ++dots_;
+      if (std::string_view(",=[]{}#\n").find(c) != std::string_view::npos) dots_ = 0;
       return c == '"' || c == '\'' ? open(rest) : 1;
     }
     if (c == '\\' && quote_ == '"') return rest.size() > 1 && (rest[1] == '"' || rest[1] == '\\') ? 2 : 1;
     return c == quote_ ? close(rest) : 1;
   }
   bool in_text() const { return comment_ || quotes_ != 0; }
+  int dots() const { return dots_; }  // of the key or number we are in
 
  private:
   std::size_t run(std::string_view rest) const {
@@ -63,12 +66,14 @@ class TextScanner {
     return taken;
   }
   bool comment_ = false;
+  int dots_ = 0;
   char quote_ = '"';
   std::size_t quotes_ = 0;  // that opened the string we are in: 0, 1 or 3
 };
 
 /// Refuses broken UTF-8 at its very place (the parser points at the character before it), and characters outside ASCII
-/// where text is not allowed (toml++ 3.3 has undefined behaviour on some of them).
+/// where text is not allowed (toml++ 3.3 has undefined behaviour on some of them), and keys of very many parts (it
+/// would destroy their tables by recursion, and run out of stack).
 static void check_characters(const std::string &file, std::string_view text) {
   SourcePlace place{file, 1, 1};
   TextScanner scanner;
@@ -82,6 +87,7 @@ static void check_characters(const std::string &file, std::string_view text) {
       throw InputError(place, "not valid TOML: '" + std::string(rest.substr(0, length)) +
                                   "' is expected only inside quotes or a comment");
     const std::size_t taken = length > 1 ? length : scanner.take(rest);
+    if (scanner.dots() > 16) throw InputError(place, "not valid here: expected keys of at most 16 parts");
     if (rest[0] == '\n') ++place.line, place.column = 1;
     else place.column += length > 1 ? 1 : static_cast<int>(taken);
     i += taken;
@@ -212,6 +218,11 @@ void TomlDocument::finish() {
   };
   std::stable_sort(diagnostics_.begin(), diagnostics_.end(),
                    [&](const Diagnostic &a, const Diagnostic &b) { return rank(a) < rank(b); });
+  constexpr std::size_t most = 100;  // a file of another kind may be wrong a million times
+  if (const std::size_t count = diagnostics_.size(); count > most) {
+    diagnostics_.resize(most);
+    diagnostics_.back().message += "\nand " + std::to_string(count - most) + " more";
+  }
   throw InputError(std::move(diagnostics_));
 }
 

@@ -3,6 +3,10 @@
 #include "lib/random.h"
 #include "shared/probe.h"
 #include "medium/height.h"
+#include "shared/sky.h"
+#define SCALAR_ROOT std::sqrt
+#define SCALAR_SINE std::sin
+#include "sky/sky.h"
 
 #undef DEVICE
 #undef GLOBAL
@@ -16,6 +20,9 @@
 #undef INDEX_CELL_SCALARS
 #undef INDEX_TABLE
 #undef PROBE_VALUES
+#undef SCALAR_ROOT
+#undef SCALAR_SINE
+#undef LIMB_TERMS
 #undef ROUNDING
 #undef LANDING
 #undef SMALLEST

@@ -196,6 +196,7 @@ const std::vector<Wrong> wrong_profiles{
     {"index = \"\"\"é\"\"é\\\"\"\"é\"\"\"\"\" # é\nö", 2, 1, "expected only inside quotes"},
     {"index = '''\né\\'''\nü = 1", 3, 1, "expected only inside quotes"},
     {"index = \"open\n# é\n", 1, 14, "not valid TOML"},
+    {"a.b.c.d.e.f.g.h.i.j.k.l.m.n.o.p.q.r = 1", 1, 34, "at most 16 parts"},
     {"[.level]\n", 1, 2, "not valid TOML"},
     {"# bad byte \xff", 1, 12, "not valid UTF-8"},
     {"# caf\xc3\xa9\n# \xc3", 2, 3, "not valid UTF-8"},

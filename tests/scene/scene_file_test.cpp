@@ -29,9 +29,9 @@ struct TemporaryFolder {
   }
 };
 
-std::vector<Diagnostic> complaints(const std::string &text, const std::vector<std::string> &overrides = {}) {
+std::vector<Diagnostic> complaints(const std::string &text) {
   try {
-    parse_scene("my.toml", text, overrides);
+    parse_scene("my.toml", text);
   } catch (const InputError &error) {
     return error.diagnostics();
   }
@@ -322,103 +322,6 @@ TEST(SceneFile, ReportsSceneAndProfileTogether) {
     EXPECT_EQ(all[3].place.file, profile);
     EXPECT_EQ(all[3].place.column, 12);
     EXPECT_EQ(error.exit_code(), ExitCode::bad_input);
-  }
-}
-
-const char *const small = "greenray = 1\n[observer]\nheight_m = 5\n[sun]\naltitude_deg = -0.5\n";
-
-// oracle: the values given
-// tolerance: none
-TEST(SceneFile, OverridesReplaceOneValue) {
-  const Scene scene =
-      parse_scene("my.toml", small,
-                  {"sun.altitude_deg=-0.25", "sky.model=academic", "output.image = out/a-1.exr",
-                   "atmosphere.aerosol.visibility_km=20", "observer.resolution=[64, 48]", "title=é \"b\\c",
-                   "spectrum.samples=12.0", "observer.height_m=7", "observer.height_m=8"});
-  EXPECT_EQ(scene.sun.altitude_deg, -0.25);
-  EXPECT_EQ(scene.sky.model, SkyScene::Model::academic);
-  EXPECT_EQ(scene.output.image, "out/a-1.exr");
-  EXPECT_EQ(scene.atmosphere.visibility_km, 20.0);
-  EXPECT_EQ(scene.observer.resolution, (std::array<int, 2>{64, 48}));
-  EXPECT_EQ(scene.title, "é \"b\\c");
-  EXPECT_EQ(scene.spectrum.samples, 12);
-  EXPECT_EQ(scene.observer.height_m, 8.0);
-  EXPECT_EQ(scene.overrides.size(), 9u);
-}
-
-// oracle: one altitude at a time; the command line has the last word
-// tolerance: none
-TEST(SceneFile, OverrideOfOneAltitudeDropsTheOther) {
-  const Scene scene = parse_scene("my.toml", small, {"sun.apparent_altitude_deg=0.3"});
-  EXPECT_EQ(scene.sun.given, SunScene::Given::apparent_altitude);
-  EXPECT_EQ(scene.sun.altitude_deg, 0.3);
-  EXPECT_EQ(complaints(small, {"sun.apparent_altitude_deg=0.3", "sun.altitude_deg=0"}).size(), 1u);
-}
-
-struct WrongOverride {
-  const char *assignment;
-  int column;
-  const char *says;
-};
-
-// oracle: columns counted by hand
-// tolerance: none
-TEST(SceneFile, ComplaintsAboutOverridesPointAtThem) {
-  const std::vector<WrongOverride> table{
-      {"observer.height_m=-3", 19, "from 0 to 1e+07 m, found -3"},
-      {"observer.height_m = tall", 21, "found text"},
-      {"observer.heigth_m=3", 10, "did you mean 'height_m'?"},
-      {"obsever.height_m=3", 1, "did you mean 'observer'?"},
-      {"observer.height_m", 1, "expected KEY=VALUE"},
-      {"=3", 1, "expected KEY=VALUE"},
-      {"[observer]=3", 1, "expected KEY=VALUE"},
-      {"observer.height_m=3\ntitle=4", 1, "expected KEY=VALUE"},
-      {"observer.resolution=[1,", 24, "not valid TOML"},
-      {"observer..height_m=3", 10, "not valid TOML"},
-  };
-  for (const WrongOverride &wrong : table) {
-    SCOPED_TRACE(wrong.assignment);
-    const auto all = complaints(small, {wrong.assignment});
-    EXPECT_EQ(all.size(), 1u) << (all.empty() ? "" : InputError(all).what());
-    if (all.empty()) continue;
-    EXPECT_EQ(all[0].place.file, "-D " + std::string(wrong.assignment));
-    EXPECT_EQ(all[0].place.line, 1);
-    EXPECT_EQ(all[0].place.column, wrong.column) << all[0].text();
-    EXPECT_NE(all[0].message.find(wrong.says), std::string::npos) << all[0].text();
-  }
-}
-
-// oracle: what does and does not change a picture
-// tolerance: none
-TEST(SceneFile, HashFollowsThePictureOnly) {
-  const std::string hash = scene_hash(parse_scene("my.toml", small));
-  EXPECT_EQ(hash.size(), 16u);
-  EXPECT_EQ(hash, scene_hash(parse_scene("other.toml", std::string("# comment\n") + small)));
-  EXPECT_EQ(hash, scene_hash(parse_scene("my.toml", small, {"output.image=b.exr"})));
-  EXPECT_EQ(hash, scene_hash(parse_scene("my.toml", small, {"title=b", "observer.height_m=5.0"})));
-  std::vector<std::string> hashes{hash};
-  for (const char *change : {"sun.altitude_deg=-0.51",
-                             "sun.apparent_altitude_deg=-0.5",
-                             "observer.height_m=5.000001",
-                             "observer.azimuth_deg=1",
-                             "observer.resolution=[300, 400]",
-                             "atmosphere.profile=hot-road",
-                             "atmosphere.profile=cold-sea",
-                             "atmosphere.dispersion=ciddor",
-                             "atmosphere.exaggerate=2",
-                             "atmosphere.humidity=false",
-                             "atmosphere.aerosol.visibility_km=9",
-                             "atmosphere.aerosol.turbidity=9",
-                             "sky.model=academic",
-                             "spectrum.samples=8",
-                             "tracing.quality.spp=4",
-                             "tracing.precision=double",
-                             "eye.model=human",
-                             "eye.exposure_ev=0",
-                             "eye.bleaching.seconds=0",
-                             "output.spectral=false"}) {
-    hashes.push_back(scene_hash(parse_scene("my.toml", small, {change})));
-    for (std::size_t i = 0; i + 1 < hashes.size(); ++i) EXPECT_NE(hashes[i], hashes.back()) << change;
   }
 }
 

@@ -1,0 +1,236 @@
+// greenray render and check: a scene to EXR, PNG and JSON, or only what would be done.
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <iomanip>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "cli/commands.hpp"
+#include "cli/progress.hpp"
+#include "image/colour.hpp"
+#include "image/exr.hpp"
+#include "render/report.hpp"
+#include "scene/scene_file.hpp"
+#include "support/atomic_file.hpp"
+#include "support/version.hpp"
+
+namespace greenray::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+std::vector<int> integers(const Arguments &a, const std::string &flag, char separator, std::size_t count,
+                          const std::string &expected) {
+  std::vector<int> values;
+  std::istringstream words(a.text(flag));
+  for (std::string word; std::getline(words, word, separator);) {
+    if (word.empty() || word.size() > 6 || word.find_first_not_of("0123456789") != std::string::npos)
+      a.fail(flag, expected);
+    values.push_back(std::stoi(word));
+  }
+  if (values.size() != count) a.fail(flag, expected);
+  return values;
+}
+
+RenderOptions options_from(const Arguments &a) {
+  RenderOptions options;
+  options.seed = static_cast<std::uint64_t>(a.optional_number("--seed", 0, 9007199254740992.0, "").value_or(1));
+  options.straight = a.has("--straight");
+  options.quick = a.has("--quick");
+  if (const auto spp = a.optional_number("--spp", 1, 1 << 20, "samples a pixel")) options.spp = static_cast<int>(*spp);
+  options.error_pct = a.optional_number("--error", 1e-4, 100, "percent");
+  options.minutes = a.optional_number("--minutes", 1e-3, 1e5, "minutes");
+  if (a.has("--size")) {
+    const auto n = integers(a, "--size", 'x', 2, "expected WxH in pixels, such as 1200x900");
+    if (n[0] < 1 || n[1] < 1 || n[0] > 16384 || n[1] > 16384) a.fail("--size", "expected 1x1 to 16384x16384");
+    options.size = {n[0], n[1]};
+  }
+  if (a.has("--crop")) {
+    const auto n = integers(a, "--crop", ',', 4, "expected X0,Y0,X1,Y1 in pixels");
+    options.crop = {n[0], n[1], n[2], n[3]};
+  }
+  return options;
+}
+
+fs::path output_path(const Arguments &a, const Scene &scene) {
+  fs::path path = a.has("--output") ? fs::path(a.text("--output")) : fs::path(scene.output.image);
+  if (path.empty()) path = fs::path("out") / (scene.name + ".exr");
+  if (path.extension() != ".exr") a.fail("--output", "expected a file name that ends in .exr");
+  return path;
+}
+
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  gmtime_r(&now, &parts);
+  std::ostringstream text;
+  text << std::put_time(&parts, "%Y-%m-%dT%H:%M:%SZ");
+  return text.str();
+}
+
+ExrAttributes attributes_of(const Scene &scene, const RenderPlan &plan, const RenderOptions &options,
+                            const Device &device) {
+  std::string overrides;
+  for (const std::string &o : scene.overrides) overrides += "-D " + o + "\n";
+  return {{"greenray.version", std::string(version())},
+          {"greenray.scene", scene.text},
+          {"greenray.overrides", overrides},
+          {"greenray.scene_hash", scene_hash(scene)},
+          {"greenray.seed", std::to_string(options.seed)},
+          {"greenray.device", device.info().name},
+          {"greenray.time", utc_now()},
+          {"greenray.straight", std::string(options.straight ? "yes" : "no")},
+          {"greenray.exaggerate", scene.atmosphere.profile.exaggerate},
+          {"greenray.fov_deg", scene.observer.fov_deg},
+          {"greenray.pixel_arcsec", plan.pixel_arcsec}};
+}
+
+void print_header(const Scene &scene, const RenderPlan &plan, const Device &device) {
+  const ProfileSpec &air = scene.atmosphere.profile;
+  std::cout << "greenray " << version() << "   scene " << scene.name << "  \"" << scene.title << "\"\n"
+            << "device   " << device.info().address() << " " << device.info().name << " (" << device.info().driver << "), "
+            << device.info().compute_units << " units, budget " << std::fixed << std::setprecision(1)
+            << static_cast<double>(device.budget_bytes()) / 1e9 << " GB\n"
+            << "air      " << air.name;
+  if (!air.inversions.empty()) std::cout << ", " << air.inversions.size() << " inversion(s)";
+  if (!air.surface_layers.empty()) std::cout << ", " << air.surface_layers.size() << " surface layer(s)";
+  if (!air.levels.empty()) std::cout << ", " << air.levels.size() << " levels";
+  if (air.exaggerate != 1) std::cout << ", refractivity EXAGGERATED " << std::defaultfloat << air.exaggerate << " times";
+  std::cout << "\nplan     " << plan.size[0] << "x" << plan.size[1] << ", " << plan.wavelengths_nm.size() << " wavelengths, "
+            << plan.rays << " rays into one transfer table, "
+            << (plan.precision == Precision::double_ ? "double" : "float") << "\n"
+            << std::flush;
+}
+
+void print_summary(const RenderReport &r, const RenderPlan &plan, double total) {
+  std::cout << std::defaultfloat << std::setprecision(4) << "compile  kernels " << r.compile_seconds << " s\n"
+            << "done     " << total << " s: table " << r.build_seconds << ", rays " << r.emit_seconds << " ("
+            << static_cast<double>(r.trace.rays) / std::max(r.trace.device_seconds, 1e-9) / 1e6 << " Mray/s, "
+            << static_cast<double>(r.trace.steps) / static_cast<double>(std::max<std::uint64_t>(r.trace.rays, 1)) << " steps/ray), picture "
+            << r.gather_seconds << "\n         " << r.spp << " samples a pixel, noise " << 100 * r.noise_rms
+            << " %, errors: table " << r.table_arcsec << "\", solver " << r.solver_arcsec << "\", look-up "
+            << r.lookup_arcsec << "\" (pixel " << plan.pixel_arcsec << "\")\n         rays:";
+  for (int i = 1; i < static_cast<int>(r.trace.outcomes.size()); ++i)
+    if (r.trace.outcomes[static_cast<std::size_t>(i)] > 0)
+      std::cout << " " << outcome_name(i) << " " << r.trace.outcomes[static_cast<std::size_t>(i)];
+  std::cout << "\n";
+  if (r.sun_true_altitude_deg) {
+    std::cout << "         Sun's centre at " << *r.sun_true_altitude_deg << " deg true";
+    if (r.sun_apparent_altitude_deg) std::cout << ", seen at " << *r.sun_apparent_altitude_deg << " deg";
+    if (r.horizon_altitude_deg) std::cout << "; horizon seen at " << *r.horizon_altitude_deg << " deg";
+    std::cout << "\n";
+  }
+}
+
+/// One wavelength has no colour: its radiance is shown grey.
+RgbImage picture_rgb(const SpectralImage &image) {
+  if (image.wavelength_nm.size() > 1) return rgb_from_spectral(image);
+  RgbImage grey{image.width, image.height, std::vector<float>(image.pixels() * 3)};
+  for (std::size_t i = 0; i < image.pixels(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) grey.rgb[3 * i + c] = image.radiance[i];
+  return grey;
+}
+
+/// Is there room and right to write there? Found out before the work, not after.
+void check_writable(const fs::path &path) {
+  AtomicFile probe(path);  // creates the folder and a temporary, both as the result would be; removed again
+  probe.write("x");
+}
+
+int run(const Arguments &a) {
+  const auto begin = Clock::now();
+  RenderOptions options = options_from(a);
+  const Scene scene = load_scene(a.positional()[0], a.all("--set"));
+  const RenderPlan plan = plan_render(scene, options);
+  const fs::path exr = output_path(a, scene);
+  const std::shared_ptr<Device> device = open_device(device_options(a));
+  check_writable(exr);
+
+  const bool quiet = a.has("--quiet"), json = a.has("--json");
+  Progress progress(quiet ? Progress::Style::quiet : json ? Progress::Style::json : Progress::Style::text);
+  if (!quiet && !json) print_header(scene, plan, *device);
+  for (const std::string &note : scene.notes) std::cerr << "note: " << note << "\n";
+  options.progress = [&](const std::string &phase, double fraction, double noise) { progress.show(phase, fraction, noise); };
+  const Rendered rendered = render(scene, plan, options, device);
+  progress.end();
+
+  const auto eye_begin = Clock::now();
+  const RgbImage rgb = picture_rgb(rendered.image);
+  const CameraPicture camera = develop_camera(rgb, {scene.eye.exposure_ev, 8, true});
+  const double eye_seconds = seconds_since(eye_begin);
+
+  AtomicFileSet files;
+  AtomicFile &picture = files.add(exr);
+  const ExrReport written = write_exr(picture, rendered.image, attributes_of(scene, plan, options, *device),
+                                      {scene.output.spectral});
+  if (written.not_finite_replaced > 0)
+    std::cerr << "warning: " << written.not_finite_replaced << " values were not finite and are written as 0\n";
+  write_png(files.add(fs::path(exr).replace_extension(".png")), camera.pixels);
+  const nlohmann::json report =
+      report_json(scene, plan, options, rendered.report, *device, camera.report, {eye_seconds, seconds_since(begin)});
+  files.add(fs::path(exr).replace_extension(".json")).write(report.dump(1) + "\n");
+  if (stop_requested()) throw Interrupted();
+  files.commit();
+
+  if (json) std::cout << nlohmann::json{{"event", "done"}, {"report", report}}.dump() << "\n";
+  if (!quiet && !json) {
+    print_summary(rendered.report, plan, seconds_since(begin));
+    std::cout << "wrote    " << exr.string() << "  .png  .json\n";
+  }
+  return 0;
+}
+
+int check(const Arguments &a) {
+  const RenderOptions options = options_from(a);
+  const Scene scene = load_scene(a.positional()[0], a.all("--set"));
+  const RenderPlan plan = plan_render(scene, options);
+  if (a.has("--json")) {
+    nlohmann::json out{{"scene", scene.name}, {"scene_hash", scene_hash(scene)}, {"plan", plan_json(plan)}};
+    std::cout << out.dump(1) << "\n";
+    return 0;
+  }
+  std::cout << "scene    " << scene.name << "  \"" << scene.title << "\"  (" << scene_hash(scene) << ")\n"
+            << "picture  " << plan.size[0] << "x" << plan.size[1] << ", " << plan.pixel_arcsec << "\" a pixel, "
+            << plan.wavelengths_nm.size() << " wavelengths\n"
+            << "rays     " << plan.rays << ": " << plan.entries << " elevations " << plan.spacing_arcsec << "\" apart from "
+            << plan.first_elevation_deg << " deg\n"
+            << "memory   " << plan.device_bytes / 1000000 + 1 << " MB on the device, " << plan.host_bytes / 1000000 + 1
+            << " MB on the host\n";
+  for (const std::string &what : plan.modelled) std::cout << "modelled " << what << "\n";
+  for (const std::string &what : plan.left_out) std::cout << "left out " << what << "\n";
+  return 0;
+}
+
+std::vector<Flag> render_flags() {
+  return {{"--output", "-o", "OUT.exr", "where to write; .png and .json go beside it"},
+          {"--set", "-D", "KEY=VALUE", "override any scene key, repeatable"},
+          {"--spp", "", "N", "samples a pixel"},
+          {"--error", "", "PCT", "stop when the noise is below this percentage"},
+          {"--minutes", "", "M", "stop after this time"},
+          {"--seed", "", "N", "of the sample places; the same seed gives the same bits"},
+          {"--quick", "", "", "quarter size"},
+          {"--size", "", "WxH", "size in pixels"},
+          {"--crop", "", "X0,Y0,X1,Y1", "only this part of the picture"},
+          {"--straight", "", "", "no bending, for comparison"}};
+}
+
+}  // namespace
+
+Command render_command() {
+  return {with_common({"render", "SCENE", "One picture: EXR with spectra, PNG and JSON.", render_flags()}), run};
+}
+
+Command check_command() {
+  return {with_common({"check", "SCENE", "What would be modelled, what is left out and why; renders nothing.", render_flags()}),
+          check};
+}
+
+}  // namespace greenray::cli

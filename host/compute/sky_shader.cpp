@@ -1,0 +1,108 @@
+#include "compute/sky_shader.hpp"
+
+#include <chrono>
+
+#include "compute/buffer.hpp"
+#include "compute/program.hpp"
+
+namespace greenray {
+namespace {
+constexpr std::size_t local_size = 16;
+}
+
+int padded_waves(const Device &device, int wavelengths) {
+  const int lanes = device.lanes().lanes_float;
+  return (wavelengths + lanes - 1) / lanes * lanes;
+}
+
+struct SkyShader::State {
+  std::shared_ptr<Device> owner;
+  Device::State &device;
+  Buffer<float> table, limb, spectra, moments;
+  int waves;
+  f32::SkyView view{};
+  cl::Kernel kernel;
+
+  State(std::shared_ptr<Device> d, const SkyTable &t, int width, int rows)
+      : owner(std::move(d)),
+        device(owner->state()),
+        table(device, t.values.size(), "the transfer table"),
+        limb(device, t.limb.size(), "limb darkening"),
+        spectra(device, band_floats(width, rows, t.waves), "the spectral picture"),
+        moments(device, band_floats(width, rows, 2), "the noise estimate"),
+        waves(t.waves) {
+    table.write(t.values.data(), t.values.size());
+    limb.write(t.limb.data(), t.limb.size());
+    BuildPlan plan{"shade_sky", device.lanes.lanes_float, false, false, false, false};
+    plan.sky_waves = waves;
+    const cl::Program program = build_program(device, plan);
+    try {
+      kernel = cl::Kernel(program, "shade_sky");
+      kernel.setArg(0, table.cl());
+      kernel.setArg(1, limb.cl());
+      kernel.setArg(2, spectra.cl());
+      kernel.setArg(3, moments.cl());
+    } catch (const cl::Error &error) {
+      throw_failed_call(error, "kernel shade_sky", device.info.name);
+    }
+  }
+
+  static std::size_t band_floats(int width, int rows, int each) {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(rows) * static_cast<std::size_t>(each);
+  }
+  std::size_t pixels() const { return band_floats(view.width, view.rows, 1); }
+
+  void launch(const f32::SkyView &v) {
+    try {
+      kernel.setArg(4, v);
+      const std::size_t items = band_floats(v.width, v.rows, 1), global = (items + local_size - 1) / local_size * local_size;
+      device.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(global), cl::NDRange(local_size));
+      device.queue.finish();
+    } catch (const cl::Error &error) {
+      throw_failed_call(error, "kernel shade_sky", device.info.name);
+    }
+  }
+};
+
+std::size_t SkyShader::band_bytes(int width, int rows, int waves) {
+  return State::band_floats(width, rows, waves + 2) * sizeof(float);
+}
+
+SkyShader::SkyShader(std::shared_ptr<Device> device, const SkyTable &table, int width, int most_rows)
+    : state_(std::make_unique<State>(std::move(device), table, width, most_rows)) {
+  // PoCL compiles at the first launch: one pixel without samples, counted as compiling.
+  f32::SkyView nothing{};
+  nothing.width = nothing.rows = 1;
+  nothing.entries = table.entries;
+  state_->view = nothing;
+  const auto begin_time = std::chrono::steady_clock::now();
+  state_->launch(nothing);
+  state_->device.compile_seconds +=
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_time).count();
+}
+SkyShader::~SkyShader() = default;
+
+void SkyShader::begin(const f32::SkyView &view) {
+  state_->view = view;
+  const std::vector<float> zeros(state_->pixels() * static_cast<std::size_t>(std::max(state_->waves, 2)), 0.0f);
+  state_->spectra.write(zeros.data(), state_->pixels() * static_cast<std::size_t>(state_->waves));
+  state_->moments.write(zeros.data(), state_->pixels() * 2);
+}
+
+void SkyShader::add_samples(int first_sample, int samples) {
+  f32::SkyView view = state_->view;
+  view.first_sample = first_sample;
+  view.samples = samples;
+  state_->launch(view);
+}
+
+SkyShader::Sums SkyShader::read() const {
+  Sums sums;
+  sums.spectra.resize(state_->pixels() * static_cast<std::size_t>(state_->waves));
+  sums.moments.resize(state_->pixels() * 2);
+  state_->spectra.read(sums.spectra.data(), sums.spectra.size());
+  state_->moments.read(sums.moments.data(), sums.moments.size());
+  return sums;
+}
+
+}  // namespace greenray

@@ -1,0 +1,44 @@
+// The sky kernel: pixels of a rectilinear picture, filled by look-up in a transfer table.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "compute/device.hpp"
+#include "twin/twin.hpp"
+
+namespace greenray {
+
+/// Rows of the transfer table for the kernel: [entries][SKY_CHANNELS][waves], waves padded (kernels/shared/sky.h).
+struct SkyTable {
+  int entries = 0, waves = 0;
+  std::vector<float> values;
+  std::vector<float> limb;  // [LIMB_TERMS][waves]
+};
+
+/// Wavelengths rounded up to whole groups of the device's lanes.
+int padded_waves(const Device &device, int wavelengths);
+
+/// Accumulates samples for a band of rows; the band's memory counts against the device's budget.
+class SkyShader {
+ public:
+  SkyShader(std::shared_ptr<Device> device, const SkyTable &table, int width, int most_rows);
+  ~SkyShader();
+
+  /// Starts a band: view.first_row, view.rows; sums are cleared.
+  void begin(const f32::SkyView &view);
+  /// Adds samples first_sample .. first_sample + samples - 1 to every pixel of the band.
+  void add_samples(int first_sample, int samples);
+  struct Sums {
+    std::vector<float> spectra;  // [rows][width][waves]
+    std::vector<float> moments;  // [rows][width][2]: sum and sum of squares of the band mean
+  };
+  Sums read() const;
+  /// Bytes that a band of this many rows needs on the device.
+  static std::size_t band_bytes(int width, int rows, int waves);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace greenray

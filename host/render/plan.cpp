@@ -1,0 +1,121 @@
+// What a scene needs, and no more.
+#include <algorithm>
+#include <cmath>
+
+#include "render/renderer.hpp"
+#include "render/spectrum.hpp"
+#include "support/angle.hpp"
+#include "twin/twin.hpp"
+
+namespace greenray {
+namespace {
+
+constexpr double finest_spacing_arcsec = 4;  // of the transfer table, also for coarse pixels
+constexpr std::size_t most_entries = 32768;
+
+std::array<int, 2> picture_size(const Scene &scene, const RenderOptions &options) {
+  std::array<int, 2> size = options.size.value_or(scene.observer.resolution);
+  if (options.quick)
+    for (int &n : size) n = std::max(1, n / 4);
+  return size;
+}
+
+struct ElevationRange {
+  double low = 1e9, high = -1e9;
+  void include(double x) {
+    low = std::min(low, x);
+    high = std::max(high, x);
+  }
+};
+
+/// Elevations that the crop sees: the extremes lie on its border, or at zenith and nadir inside it.
+ElevationRange elevation_range(const Scene &scene, const RenderPlan &plan) {
+  const double tangent = 2 * std::tan(to_rad(scene.observer.fov_deg) / 2) / plan.size[0];
+  const double altitude = to_rad(scene.observer.altitude_deg);
+  ElevationRange range;
+  const auto look = [&](double column, double row) {
+    const double right = (column - 0.5 * plan.size[0]) * tangent, up = (0.5 * plan.size[1] - row) * tangent;
+    const double forward = std::cos(altitude) - up * std::sin(altitude);
+    const double height = std::sin(altitude) + up * std::cos(altitude);
+    range.include(std::atan2(height, std::hypot(forward, right)));
+  };
+  constexpr int points = 64;
+  for (int i = 0; i <= points; ++i) {
+    const double column = plan.crop[0] + (plan.crop[2] - plan.crop[0]) * static_cast<double>(i) / points;
+    const double row = plan.crop[1] + (plan.crop[3] - plan.crop[1]) * static_cast<double>(i) / points;
+    look(column, plan.crop[1]);
+    look(column, plan.crop[3]);
+    look(plan.crop[0], row);
+    look(plan.crop[2], row);
+    look(0.5 * plan.size[0], row);  // straight ahead: steepest in its row
+  }
+  const double half_height = 0.5 * plan.size[1] * tangent;
+  if (std::abs(altitude) + std::atan(half_height) >= pi / 2) range.include(altitude > 0 ? pi / 2 : -pi / 2);
+  const double margin = 2 * to_rad(scene.observer.fov_deg) / plan.size[0];
+  return {std::max(range.low - margin, -pi / 2), std::min(range.high + margin, pi / 2)};
+}
+
+void size_transfer_table(const Scene &scene, RenderPlan &plan) {
+  const ElevationRange range = elevation_range(scene, plan);
+  const double wanted = from_arcsec(std::min(plan.pixel_arcsec / 2, finest_spacing_arcsec));
+  const double entries = std::clamp(std::ceil((range.high - range.low) / wanted), 2.0, double(most_entries));
+  plan.entries = static_cast<std::size_t>(entries) + 1;
+  plan.first_elevation_deg = to_deg(range.low);
+  plan.spacing_arcsec = to_arcsec((range.high - range.low) / entries);
+  plan.rays = plan.entries * plan.wavelengths_nm.size();
+}
+
+void explain(const Scene &scene, const RenderOptions &options, RenderPlan &plan) {
+  auto &did = plan.modelled, &left = plan.left_out;
+  if (options.straight) left.push_back("bending: --straight");
+  else did.push_back("bent rays: the index varies with height");
+  did.push_back("one transfer table over elevation and wavelength: the index depends on height alone");
+  if (plan.wavelengths_nm.size() > 1) did.push_back("dispersion: " + std::to_string(plan.wavelengths_nm.size()) + " wavelengths");
+  else left.push_back("dispersion: one wavelength asked for");
+  const bool academic = scene.sky.model == SkyScene::Model::academic;
+  if (academic) left.push_back("sky light and extinction: academic sky (black, white disk)");
+  else if (!scene.atmosphere.extinction) left.push_back("extinction: atmosphere.extinction = false");
+  else did.push_back("extinction along the bent path: Rayleigh, ozone" +
+                     std::string(scene.atmosphere.visibility_km || scene.atmosphere.turbidity ? ", aerosol" : ""));
+  if (scene.sun.given == SunScene::Given::nothing) left.push_back("the Sun: no [sun] in the scene");
+  else did.push_back(std::string("the Sun") + (scene.sun.limb_darkening && !academic ? " with limb darkening" : ""));
+  left.push_back("geometry, photons and caustics: none in the scene");
+  if (scene.eye.model == EyeScene::Model::human)
+    left.push_back("the human eye: not built yet in this version, the picture is developed as by a camera");
+}
+
+}  // namespace
+
+RenderPlan plan_render(const Scene &scene, const RenderOptions &options) {
+  RenderPlan plan;
+  plan.size = picture_size(scene, options);
+  plan.crop = options.crop.value_or(std::array<int, 4>{0, 0, plan.size[0], plan.size[1]});
+  if (plan.crop[0] < 0 || plan.crop[1] < 0 || plan.crop[2] > plan.size[0] || plan.crop[3] > plan.size[1] ||
+      plan.crop[0] >= plan.crop[2] || plan.crop[1] >= plan.crop[3])
+    throw InputError({"command line", 1, 1}, "--crop: expected X0,Y0,X1,Y1 inside the picture of " +
+                                                 std::to_string(plan.size[0]) + "x" + std::to_string(plan.size[1]));
+  plan.wavelengths_nm = wavelengths_even_in_refraction(scene.atmosphere.profile.index, scene.spectrum.range_nm,
+                                                       scene.spectrum.samples);
+  const TracingScene &t = scene.tracing;
+  plan.precision = t.precision == TracingScene::Precision::double_ ? Precision::double_ : Precision::single_;
+  plan.integrator = t.method == TracingScene::Method::richardson ? Integrator::richardson : Integrator::dormand_prince;
+  plan.pixel_arcsec = to_arcsec(2 * std::tan(to_rad(scene.observer.fov_deg) / 2) / plan.size[0]);
+  size_transfer_table(scene, plan);
+
+  const bool own = options.spp || options.error_pct || options.minutes;
+  const std::optional<int> spp = own ? options.spp : t.spp;
+  plan.error_pct = own ? options.error_pct : t.error_pct;
+  plan.minutes = own ? options.minutes : t.minutes;
+  plan.spp = spp.value_or(plan.error_pct || plan.minutes ? 1 << 20 : 16);
+
+  const auto pixels = static_cast<std::size_t>(plan.crop[2] - plan.crop[0]) *
+                      static_cast<std::size_t>(plan.crop[3] - plan.crop[1]);
+  const std::size_t padded = (plan.wavelengths_nm.size() + 7) / 8 * 8;
+  plan.host_bytes = pixels * (plan.wavelengths_nm.size() + padded + 8) * sizeof(float) + plan.rays * 300;
+  plan.device_bytes = pixels * (padded + 2) * sizeof(float) + plan.entries * padded * 5 * sizeof(float) +
+                      std::min<std::size_t>(plan.rays, std::size_t{1} << 18) * 168;
+  explain(scene, options, plan);
+  return plan;
+}
+
+}  // namespace greenray

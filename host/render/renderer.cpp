@@ -1,0 +1,363 @@
+#include "render/renderer.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+
+#include "render/launch.hpp"
+#include "render/refraction.hpp"
+#include "render/sky.hpp"
+#include "support/angle.hpp"
+
+namespace greenray {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+std::atomic<bool> stop_flag{false};
+
+constexpr double reference_nm = 550;      // at which altitudes of Sun and horizon are given
+constexpr std::size_t lookup_probes = 64;
+
+ProfileSpec spec_for(const Scene &scene, const RenderOptions &options) {
+  ProfileSpec spec = scene.atmosphere.profile;
+  if (options.straight) spec.exaggerate = 0;
+  if (!scene.atmosphere.humidity)
+    for (Level &level : spec.levels) level.relative_humidity.reset();
+  return spec;
+}
+
+/// Bending of single rays in double on the host twin: for the Sun's place, the horizon and the table's error.
+f64::RayEnd trace_on_host(const IndexTable &table, std::size_t row, double height_m, double elevation_rad) {
+  std::vector<f64::IndexCell> cells;
+  for (std::size_t i = 0; i < table.cells_per_row; ++i) {
+    const IndexCellData &c = table.cell(row, i);
+    f64::IndexCell cell{};
+    std::copy(std::begin(c.gradient), std::end(c.gradient), cell.gradient);
+    std::copy(std::begin(c.density), std::end(c.density), cell.density);
+    cell.bottom_m = c.bottom_m, cell.thickness_m = c.thickness_m;
+    cell.log_index = c.log_index, cell.step_cap_m = c.step_cap_m;
+    cells.push_back(cell);
+  }
+  f64::RayStart start = launch(table, row, height_m, elevation_rad);
+  start.row = 0;
+  const f64::TraceSettings settings{1e-12, 100000, static_cast<int>(table.cells_per_row)};
+  const f64::Absorbers absorbers{table.curvature_per_m, ozone_peak_m, ozone_width_m, 1200};
+  f64::March march;
+  f64::start_march(&march, cells.data(), &start, 0, 0, &settings, absorbers);
+  f64::trace(&march, cells.data(), &settings);
+  f64::RayEnd end;
+  f64::record(&march, &end, 0, 0);
+  return end;
+}
+
+/// Apparent altitude [rad] of the lowest ray from the eye that reaches space, between straight down and level (bisection).
+std::optional<double> horizon_rad(const IndexTable &table, double height_m) {
+  const auto in_sky = [&](double e) { return trace_on_host(table, 0, height_m, e).outcome == f64::RAY_SPACE; };
+  double high = to_rad(1.0), low = -pi / 2;
+  if (!in_sky(high) || in_sky(low)) return std::nullopt;
+  // The topmost ground ray: step down from the sky in thin steps first, so that ducts below do not confuse the bisection.
+  for (double e = high; e > -pi / 2; e -= std::max(1e-5, 0.01 * std::abs(e))) {
+    if (!in_sky(e)) {
+      low = e;
+      break;
+    }
+    high = e;
+  }
+  for (int i = 0; i < 50; ++i) {
+    const double middle = 0.5 * (low + high);
+    (in_sky(middle) ? high : low) = middle;
+  }
+  return high;
+}
+
+class Renderer {
+ public:
+  Renderer(const Scene &scene, const RenderPlan &plan, const RenderOptions &options, std::shared_ptr<Device> device)
+      : scene_(scene), plan_(plan), options_(options), device_(std::move(device)), profile_(spec_for(scene, options)),
+        flat_(scene.atmosphere.surface == Surface::flat) {}
+
+  Rendered run() {
+    const auto begin = Clock::now();
+    progress("table", 0);
+    reference_ = build_index_table(profile_, {reference_nm}, {flat_, 1e-5, scene_.observer.height_m});
+    table_ = build_index_table(profile_, plan_.wavelengths_nm, {flat_, scene_.tracing.table_arcsec, scene_.observer.height_m});
+    report_.table_cells = table_.cells_per_row;
+    place_sun();
+    measure_table();
+    report_.build_seconds = seconds_since(begin);
+    trace_table();
+    shade();
+    report_.compile_seconds = device_->compile_seconds();
+    report_.emit_seconds = std::max(0.0, report_.emit_seconds - compiled_while_tracing_);
+    return {std::move(image_), report_};
+  }
+
+ private:
+  void progress(const std::string &phase, double fraction, double noise = 0) {
+    if (stop_requested()) throw Interrupted();
+    if (options_.progress) options_.progress(phase, fraction, noise);
+  }
+
+  void place_sun() {
+    const SunScene &sun = scene_.sun;
+    if (const auto horizon = horizon_rad(reference_, scene_.observer.height_m))
+      report_.horizon_altitude_deg = to_deg(*horizon);
+    sun_.radius_rad = to_rad(sun.diameter_arcmin / 60) / 2;
+    if (sun.given == SunScene::Given::nothing) return;
+    sun_.shines = true;
+    const double offset = sun.part == SunScene::Part::upper_limb   ? -sun_.radius_rad
+                          : sun.part == SunScene::Part::lower_limb ? sun_.radius_rad
+                                                                   : 0;
+    double point = to_rad(sun.altitude_deg);
+    if (sun.given == SunScene::Given::apparent_altitude) {
+      const f64::RayEnd end = trace_on_host(reference_, 0, scene_.observer.height_m, point);
+      if (end.outcome != f64::RAY_SPACE)
+        throw InputError({scene_.file, 1, 1}, "sun.apparent_altitude_deg = " + std::to_string(sun.altitude_deg) +
+                                                  ": light from there comes from the " + outcome_name(end.outcome) +
+                                                  ", not from the sky; expected an altitude above the horizon (" +
+                                                  std::to_string(report_.horizon_altitude_deg.value_or(0)) + " deg at 550 nm)");
+      point -= end.bending_rad;
+    }
+    sun_.true_altitude_rad = point + offset;
+    double azimuth = sun.azimuth_deg.value_or(scene_.observer.azimuth_deg) - scene_.observer.azimuth_deg;
+    azimuth -= 360 * std::round(azimuth / 360);
+    sun_.azimuth_rad = to_rad(azimuth);
+    report_.sun_true_altitude_deg = to_deg(sun_.true_altitude_rad);
+    report_.sun_apparent_altitude_deg = apparent_altitude_deg(sun_.true_altitude_rad);
+  }
+
+  /// By iteration from the apparent side; nothing if the centre is below the horizon. One image where there are several.
+  std::optional<double> apparent_altitude_deg(double true_rad) const {
+    double e = true_rad + from_arcsec(1500);
+    for (int i = 0; i < 60; ++i) {
+      const f64::RayEnd end = trace_on_host(reference_, 0, scene_.observer.height_m, std::min(e, pi / 2));
+      if (end.outcome != f64::RAY_SPACE) return std::nullopt;
+      const double next = true_rad + end.bending_rad;
+      if (std::abs(next - e) < 1e-10) return to_deg(next);
+      e = next;
+    }
+    return std::nullopt;
+  }
+
+  /// Error of the table: its rays against those of a table thirty times finer, in double on the host.
+  void measure_table() {
+    const std::size_t row = plan_.wavelengths_nm.size() / 2;
+    const IndexTable fine = build_index_table(profile_, {plan_.wavelengths_nm[row]},
+                                              {flat_, scene_.tracing.table_arcsec / 30, scene_.observer.height_m});
+    for (int i = 0; i < 48; ++i) {
+      const double e = to_rad(plan_.first_elevation_deg) +
+                       from_arcsec(plan_.spacing_arcsec) * static_cast<double>(plan_.entries - 1) * (i + 0.5) / 48;
+      const f64::RayEnd a = trace_on_host(table_, row, scene_.observer.height_m, e);
+      const f64::RayEnd b = trace_on_host(fine, 0, scene_.observer.height_m, e);
+      if (a.outcome == f64::RAY_SPACE && b.outcome == f64::RAY_SPACE)
+        report_.table_arcsec = std::max(report_.table_arcsec, to_arcsec(std::abs(a.bending_rad - b.bending_rad)));
+    }
+  }
+
+  void trace_table() {
+    progress("rays", 0);
+    const auto begin = Clock::now();
+    const double compiled_before = device_->compile_seconds();
+    TraceOptions trace;
+    trace.precision = plan_.precision;
+    trace.integrator = plan_.integrator;
+    trace.tolerance_rad = scene_.tracing.tolerance;
+    trace.max_steps = scene_.tracing.max_steps;
+    trace.absorbers = {0, ozone_peak_m, ozone_width_m, scene_.atmosphere.aerosol_scale_height_m};
+    RayTracer tracer(device_, table_, trace);
+    const double height_m = scene_.observer.height_m;
+    transfer_ = trace_transfer(tracer, table_, height_m, to_rad(plan_.first_elevation_deg),
+                               from_arcsec(plan_.spacing_arcsec), plan_.entries);
+    report_.trace = tracer.stats();  // of the picture's own rays; those below are measurements
+    probes_ = probe_between(tracer, table_, height_m, transfer_, lookup_probes);
+    report_.lookup_arcsec = lookup_error_arcsec(transfer_, probes_);
+    const double sun_rad = to_rad(report_.sun_apparent_altitude_deg.value_or(
+        std::max(report_.horizon_altitude_deg.value_or(0), to_deg(sun_.true_altitude_rad))));
+    towards_sun_ = trace_transfer(tracer, table_, height_m, sun_rad + 1e-9, 0, 1).rays;
+    at_10_degrees_ = trace_transfer(tracer, table_, height_m, to_rad(10), 0, 1).rays;
+    report_.table_in_image = tracer.uses_image();
+    report_.solver_arcsec = to_arcsec(report_.trace.solver_error_rad);
+    compiled_while_tracing_ = device_->compile_seconds() - compiled_before;
+    report_.emit_seconds = seconds_since(begin);
+  }
+
+  f32::SkyView view() const {
+    const double altitude = to_rad(scene_.observer.altitude_deg);
+    f32::SkyView v{};
+    v.sin_altitude = static_cast<float>(std::sin(altitude));
+    v.cos_altitude = static_cast<float>(std::cos(altitude));
+    v.pixel_tangent = static_cast<float>(2 * std::tan(to_rad(scene_.observer.fov_deg) / 2) / plan_.size[0]);
+    v.centre_column = 0.5f * static_cast<float>(plan_.size[0]) - static_cast<float>(plan_.crop[0]);
+    v.centre_row = 0.5f * static_cast<float>(plan_.size[1]) - static_cast<float>(plan_.crop[1]);
+    v.first_elevation_rad = static_cast<float>(transfer_.first_elevation_rad);
+    v.entries_per_rad = static_cast<float>(1 / transfer_.spacing_rad);
+    v.sun_azimuth_rad = static_cast<float>(sun_.azimuth_rad);
+    v.sun_sin_altitude = static_cast<float>(std::sin(sun_.true_altitude_rad));
+    v.sun_cos_altitude = static_cast<float>(std::cos(sun_.true_altitude_rad));
+    v.sun_radius_rad = static_cast<float>(sun_.radius_rad);
+    v.phase_asymmetry = static_cast<float>(aerosol_asymmetry);
+    v.entries = static_cast<int>(transfer_.entries);
+    v.width = plan_.crop[2] - plan_.crop[0];
+    v.seed = static_cast<unsigned int>(options_.seed ^ (options_.seed >> 32));
+    return v;
+  }
+
+  void shade() {
+    const auto begin = Clock::now();
+    const double compiled_before = device_->compile_seconds();
+    const std::vector<SpectralAir> air = spectral_air(scene_, plan_.wavelengths_nm);
+    const int waves = padded_waves(*device_, static_cast<int>(plan_.wavelengths_nm.size()));
+    const SkyTable sky = make_sky_table(scene_, transfer_, towards_sun_, at_10_degrees_, air, sun_, waves);
+    measure_bias(sky, air, waves);
+    const int width = plan_.crop[2] - plan_.crop[0], height = plan_.crop[3] - plan_.crop[1];
+    const std::size_t row_bytes = SkyShader::band_bytes(width, 1, waves);
+    const std::size_t fixed = (sky.values.size() + sky.limb.size()) * sizeof(float) + device_->used_bytes();
+    const std::size_t left = device_->budget_bytes() > fixed ? (device_->budget_bytes() - fixed) / 10 * 9 : 0;
+    const std::size_t largest = std::min(left, device_->info().largest_buffer_bytes);
+    const int rows = static_cast<int>(std::clamp<std::size_t>(largest / row_bytes, 1, static_cast<std::size_t>(height)));
+    SkyShader shader(device_, sky, width, rows);
+
+    image_.width = width;
+    image_.height = height;
+    image_.wavelength_nm = plan_.wavelengths_nm;
+    image_.radiance.resize(image_.pixels() * plan_.wavelengths_nm.size());
+    image_.channels["variance"].resize(image_.pixels());
+    f32::SkyView v = view();
+    for (int first = 0; first < height; first += rows) {
+      v.first_row = first;
+      v.rows = std::min(rows, height - first);
+      shade_band(shader, v, static_cast<double>(first) / height, static_cast<double>(v.rows) / height);
+    }
+    describe_pixels();
+    const double pixels = static_cast<double>(image_.pixels());
+    report_.noise_rms = band_sum_ > 0 ? std::sqrt(variance_sum_ / pixels) / (band_sum_ / pixels) : 0;
+    report_.gather_seconds = seconds_since(begin) - (device_->compile_seconds() - compiled_before);
+  }
+
+  /// Passes of a few samples until enough, good enough or late enough. All bands take as many samples as the first.
+  void shade_band(SkyShader &shader, const f32::SkyView &v, double done_before, double share) {
+    shader.begin(v);
+    int samples = 0;
+    SkyShader::Sums sums;
+    const auto begin = Clock::now();
+    const int wanted = report_.spp > 0 ? report_.spp : plan_.spp;
+    const bool adaptive = report_.spp == 0 && (plan_.error_pct || plan_.minutes);
+    double noise = 0;
+    while (samples < wanted) {
+      const int pass = std::min(adaptive ? std::max(4, samples / 2) : 8, wanted - samples);
+      shader.add_samples(samples, pass);
+      samples += pass;
+      if (adaptive) {
+        noise = relative_noise(shader.read(), samples);
+        if (plan_.error_pct && noise * 100 <= *plan_.error_pct) break;
+        if (plan_.minutes && seconds_since(begin) >= *plan_.minutes * 60 * share) break;
+      }
+      progress("picture", done_before + share * samples / wanted, noise);
+    }
+    report_.spp = samples;
+    keep(shader.read(), v, samples);
+  }
+
+  static double relative_noise(const SkyShader::Sums &sums, int samples) {
+    double variance = 0, band = 0;
+    for (std::size_t i = 0; i < sums.moments.size() / 2; ++i) {
+      variance += variance_of_mean(sums, i, samples);
+      band += sums.moments[2 * i] / static_cast<double>(samples);
+    }
+    const double pixels = static_cast<double>(sums.moments.size()) / 2;
+    return band > 0 ? std::sqrt(variance / pixels) / (band / pixels) : 0;
+  }
+
+  static double variance_of_mean(const SkyShader::Sums &sums, std::size_t pixel, int samples) {
+    if (samples < 2) return 0;
+    const double mean = sums.moments[2 * pixel] / static_cast<double>(samples);
+    const double square = sums.moments[2 * pixel + 1] / static_cast<double>(samples);
+    return std::max(0.0, square - mean * mean) / (samples - 1);
+  }
+
+  void keep(const SkyShader::Sums &sums, const f32::SkyView &v, int samples) {
+    const std::size_t waves = plan_.wavelengths_nm.size(), pixels = static_cast<std::size_t>(v.width * v.rows);
+    const std::size_t padded = sums.spectra.size() / pixels, first = static_cast<std::size_t>(v.first_row * v.width);
+    const float scale = 1.0f / static_cast<float>(samples);
+    for (std::size_t i = 0; i < pixels; ++i) {
+      for (std::size_t w = 0; w < waves; ++w)
+        image_.radiance[(first + i) * waves + w] = sums.spectra[i * padded + w] * scale;
+      const double variance = variance_of_mean(sums, i, samples), bands = static_cast<double>(waves);
+      image_.channels["variance"][first + i] = static_cast<float>(variance / (bands * bands));
+      variance_sum_ += variance;
+      band_sum_ += sums.moments[2 * i] * scale;
+    }
+  }
+
+  /// Relative RMS error of radiance (Sun and glow) that interpolating the table half way causes.
+  void measure_bias(const SkyTable &sky, const std::vector<SpectralAir> &air, int waves) {
+    TransferTable between = transfer_;
+    between.entries = probes_.below.size();
+    between.rays = probes_.rays;
+    const SkyTable truth = make_sky_table(scene_, between, towards_sun_, at_10_degrees_, air, sun_, waves);
+    const auto n = static_cast<std::size_t>(waves), entry = n * f32::SKY_CHANNEL_COUNT;
+    double error = 0, light = 0;
+    for (std::size_t k = 0; k < between.entries; ++k)
+      for (std::size_t w = 0; w < air.size(); ++w) {
+        const float *a = &sky.values[probes_.below[k] * entry + w], *b = a + entry, *t = &truth.values[k * entry + w];
+        if (a[f32::SKY_JOINED * n] < 0.5f) continue;
+        for (std::size_t c : {f32::SKY_SUN * n, f32::SKY_GLOW * n}) {
+          const double difference = 0.5 * (static_cast<double>(a[c]) + b[c]) - t[c];
+          error += difference * difference;
+          light += static_cast<double>(t[c]) * t[c];
+        }
+      }
+    report_.bias = light > 0 ? std::sqrt(error / light) : 0;
+  }
+
+  /// Channels for the pixel centres at the middle wavelength: bending, distance, lowest point.
+  void describe_pixels() {
+    auto &bending = image_.channels["bending_arcsec"], &distance = image_.channels["distance_m"],
+         &lowest = image_.channels["min_height_m"];
+    bending.resize(image_.pixels());
+    distance.resize(image_.pixels());
+    lowest.resize(image_.pixels());
+    const f32::SkyView v = view();
+    const std::size_t wave = plan_.wavelengths_nm.size() / 2;
+    for (int y = 0; y < image_.height; ++y)
+      for (int x = 0; x < image_.width; ++x) {
+        const f32::SkyDirection d = f32::view_direction(&v, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+        const double at = (static_cast<double>(d.elevation_rad) - transfer_.first_elevation_rad) / transfer_.spacing_rad;
+        const auto entry = static_cast<std::size_t>(std::clamp(std::round(at), 0.0, double(transfer_.entries - 1)));
+        const Transfer &t = transfer_.at(entry, wave);
+        const std::size_t i = static_cast<std::size_t>(y * image_.width + x);
+        bending[i] = static_cast<float>(to_arcsec(t.bending_rad));
+        distance[i] = static_cast<float>(t.distance_m);
+        lowest[i] = static_cast<float>(t.min_height_m);
+      }
+  }
+
+  const Scene &scene_;
+  const RenderPlan &plan_;
+  const RenderOptions &options_;
+  std::shared_ptr<Device> device_;
+  Profile profile_;
+  bool flat_;
+  IndexTable reference_, table_;
+  SunPlace sun_;
+  TransferTable transfer_;
+  TransferProbes probes_;
+  std::vector<Transfer> towards_sun_, at_10_degrees_;
+  SpectralImage image_;
+  RenderReport report_;
+  double variance_sum_ = 0, band_sum_ = 0, compiled_while_tracing_ = 0;
+};
+
+}  // namespace
+
+void request_stop() { stop_flag = true; }
+bool stop_requested() { return stop_flag; }
+
+Rendered render(const Scene &scene, const RenderPlan &plan, const RenderOptions &options,
+                const std::shared_ptr<Device> &device) {
+  return Renderer(scene, plan, options, device).run();
+}
+
+}  // namespace greenray

@@ -1,0 +1,70 @@
+// A scene becomes a spectral picture: plan, table, rays, pixels; every number of the report on the way.
+#pragma once
+#include <array>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compute/ray_tracer.hpp"
+#include "image/spectral_image.hpp"
+#include "scene/scene.hpp"
+
+namespace greenray {
+
+struct RenderOptions {
+  std::uint64_t seed = 1;
+  bool straight = false;                          // no bending, for comparison
+  bool quick = false;                             // quarter size
+  std::optional<std::array<int, 2>> size;         // overrides observer.resolution
+  std::optional<std::array<int, 4>> crop;         // x0, y0, x1, y1 in pixels, x1 and y1 excluded
+  std::optional<int> spp;                         // these three override tracing.quality; the first one reached stops
+  std::optional<double> error_pct, minutes;
+  std::function<void(const std::string &phase, double fraction, double noise)> progress;
+};
+
+/// What will be done and why; decided before anything is computed.
+struct RenderPlan {
+  std::array<int, 2> size{};                      // of the whole picture
+  std::array<int, 4> crop{};
+  std::vector<double> wavelengths_nm;
+  Precision precision = Precision::single_;
+  Integrator integrator = Integrator::dormand_prince;
+  double pixel_arcsec = 0;
+  double first_elevation_deg = 0, spacing_arcsec = 0;
+  std::size_t entries = 0, rays = 0;
+  std::size_t device_bytes = 0, host_bytes = 0;
+  int spp = 16;
+  std::optional<double> error_pct, minutes;
+  std::vector<std::string> modelled, left_out;    // each with its reason
+};
+
+RenderPlan plan_render(const Scene &scene, const RenderOptions &options);
+
+struct RenderReport {
+  TraceStats trace;
+  bool table_in_image = false;
+  std::size_t table_cells = 0;
+  double table_arcsec = 0, solver_arcsec = 0, lookup_arcsec = 0;  // errors
+  double noise_rms = 0, bias = 0;                                 // relative to the mean radiance
+  int spp = 0;
+  std::optional<double> sun_true_altitude_deg, sun_apparent_altitude_deg;  // of its centre, at 550 nm
+  std::optional<double> horizon_altitude_deg;                              // apparent, at 550 nm
+  double compile_seconds = 0, build_seconds = 0, emit_seconds = 0, gather_seconds = 0;
+};
+
+struct Rendered {
+  SpectralImage image;
+  RenderReport report;
+};
+
+/// Throws InputError when the Sun's apparent altitude is not in the sky, Interrupted when asked to stop.
+Rendered render(const Scene &scene, const RenderPlan &plan, const RenderOptions &options,
+                const std::shared_ptr<Device> &device);
+
+/// Set by the signal handler; looked at between batches.
+void request_stop();
+bool stop_requested();
+
+}  // namespace greenray

@@ -1,0 +1,100 @@
+#include "render/sky.hpp"
+
+#include <cmath>
+
+#include "support/angle.hpp"
+
+namespace greenray {
+namespace {
+
+/// Optical depths of one ray at one wavelength.
+struct Depth {
+  double rayleigh, aerosol, ozone;
+  double total() const { return rayleigh + aerosol + ozone; }
+};
+
+Depth depth_of(const Transfer &ray, const SpectralAir &air) {
+  return {ray.column[0] * air.rayleigh_per_kg_m2, ray.column[2] * air.aerosol_per_m, ray.column[1] * air.ozone_per_m};
+}
+
+/// Radiance in two parts: what does not depend on the angle from the Sun, and the factor of the aerosol's phase function.
+struct Glow {
+  double isotropic, aureole;
+};
+
+/// J (1 - exp(-tau)) with the shares of what scatters.
+Glow scattered(const Depth &depth, double sunlight) {
+  const double tau = depth.total();
+  if (tau <= 0) return {0, 0};
+  const double filled = -std::expm1(-tau) / tau;
+  return {sunlight * filled * depth.rayleigh / (4 * pi), sunlight * filled * depth.aerosol};
+}
+
+class SkyMaker {
+ public:
+  SkyMaker(const Scene &scene, const std::vector<Transfer> &towards_sun, const std::vector<Transfer> &at_10_degrees,
+           const std::vector<SpectralAir> &air, const SunPlace &sun)
+      : scene_(scene), towards_sun_(towards_sun), at_10_degrees_(at_10_degrees), air_(air), sun_(sun) {}
+
+  /// The five channels of one ray but for SKY_JOINED.
+  std::array<double, 4> channels(const Transfer &ray, std::size_t wave) const {
+    const SpectralAir &air = air_[wave];
+    const double from_sun = ray.true_altitude_rad - sun_.true_altitude_rad;
+    if (scene_.sky.model == SkyScene::Model::academic)
+      return {from_sun, ray.outcome == f64::RAY_SPACE && sun_.shines ? air.sun_centre_radiance : 0, 0, 0};
+    const Depth depth = depth_of(ray, air);
+    const double sunlight = sunlight_on_air(wave);
+    Glow glow = scattered(depth, sunlight);
+    if (ray.outcome != f64::RAY_SPACE) {
+      const Glow mirrored = scattered(depth_of(at_10_degrees_[wave], air), sunlight);
+      const double share = scene_.sky.sea_reflectance * std::exp(-depth.total());
+      glow.isotropic += share * mirrored.isotropic;
+      glow.aureole += share * mirrored.aureole;
+      return {from_sun, 0, glow.isotropic, glow.aureole};
+    }
+    const double seen = sun_.shines ? air.sun_centre_radiance * std::exp(-depth.total()) : 0;
+    return {from_sun, seen, glow.isotropic, glow.aureole};
+  }
+
+ private:
+  /// Irradiance that reaches the air the eye looks through: the Sun's, dimmed by half the depth of its own path.
+  double sunlight_on_air(std::size_t wave) const {
+    const SpectralAir &air = air_[wave];
+    double mean = 0;
+    for (std::size_t k = 0; k < air.limb.size(); ++k) mean += 2 * air.limb[k] / static_cast<double>(k + 2);
+    const double outside = air.sun_centre_radiance * mean * pi * sun_.radius_rad * sun_.radius_rad;
+    return outside * std::exp(-0.5 * depth_of(towards_sun_[wave], air).total());
+  }
+
+  const Scene &scene_;
+  const std::vector<Transfer> &towards_sun_, &at_10_degrees_;
+  const std::vector<SpectralAir> &air_;
+  const SunPlace &sun_;
+};
+
+}  // namespace
+
+SkyTable make_sky_table(const Scene &scene, const TransferTable &transfer, const std::vector<Transfer> &towards_sun,
+                        const std::vector<Transfer> &at_10_degrees, const std::vector<SpectralAir> &air,
+                        const SunPlace &sun, int waves) {
+  const SkyMaker maker(scene, towards_sun, at_10_degrees, air, sun);
+  const auto padded = static_cast<std::size_t>(waves);
+  SkyTable table;
+  table.entries = static_cast<int>(transfer.entries);
+  table.waves = waves;
+  table.values.assign(transfer.entries * f32::SKY_CHANNEL_COUNT * padded, 0.0f);
+  table.limb.assign(air.front().limb.size() * padded, 0.0f);
+  for (std::size_t w = 0; w < air.size(); ++w)
+    for (std::size_t k = 0; k < air[w].limb.size(); ++k) table.limb[k * padded + w] = static_cast<float>(air[w].limb[k]);
+  for (std::size_t e = 0; e < transfer.entries; ++e)
+    for (std::size_t w = 0; w < air.size(); ++w) {
+      float *at = &table.values[e * f32::SKY_CHANNEL_COUNT * padded + w];
+      const std::array<double, 4> channels = maker.channels(transfer.at(e, w), w);
+      for (std::size_t c = 0; c < channels.size(); ++c) at[c * padded] = static_cast<float>(channels[c]);
+      const bool last = e + 1 == transfer.entries;
+      at[f32::SKY_JOINED * padded] = last || joined(transfer.at(e, w), transfer.at(e + 1, w)) ? 1.0f : 0.0f;
+    }
+  return table;
+}
+
+}  // namespace greenray

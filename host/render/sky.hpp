@@ -1,0 +1,29 @@
+// Radiance of sky, sea and Sun for each entry of the transfer table.
+#pragma once
+#include "compute/sky_shader.hpp"
+#include "render/spectrum.hpp"
+#include "render/transfer.hpp"
+#include "scene/scene.hpp"
+
+namespace greenray {
+
+/// The Sun's place, resolved: centre, true altitude (outside the air), azimuth from the picture's centre.
+struct SunPlace {
+  bool shines = false;
+  double true_altitude_rad = 0;
+  double azimuth_rad = 0;
+  double radius_rad = 0;
+};
+
+/// The plain sky: one scattering with a source that is constant along the path, so that it is right in colour and
+/// continuous at the horizon, not in absolute radiance (docs/method.md, "The plain sky").
+///   sky  J (1 - exp(-tau)),  J = E_sun T_sun^(1/2) (rayleigh share / 4 pi + aerosol share x phase)
+///   sea  reflectance x sky at 10 degrees, seen through the air between, plus the light that air scatters in
+/// The academic sky (G04 figures 6.2, 6.3) is black, its Sun a white disk outside the air.
+SkyTable make_sky_table(const Scene &scene, const TransferTable &transfer, const std::vector<Transfer> &towards_sun,
+                        const std::vector<Transfer> &at_10_degrees, const std::vector<SpectralAir> &air,
+                        const SunPlace &sun, int waves);
+
+inline constexpr double aerosol_asymmetry = 0.76;
+
+}  // namespace greenray

@@ -1,0 +1,79 @@
+#include "render/transfer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/launch.hpp"
+#include "support/angle.hpp"
+
+namespace greenray {
+namespace {
+
+Transfer transfer_of(const f64::RayEnd &end, double elevation_rad, double curvature_per_m) {
+  Transfer t{};
+  t.outcome = end.outcome;
+  t.bending_rad = end.bending_rad;
+  t.true_altitude_rad = elevation_rad - end.bending_rad;
+  t.column = {end.column[0], end.column[1], end.column[2]};
+  t.distance_m = end.run * end.sigma_m;
+  t.min_height_m = f64::geometric_height_m(end.min_z_m, curvature_per_m);
+  return t;
+}
+
+std::vector<Transfer> trace_elevations(RayTracer &tracer, const IndexTable &index, double height_m,
+                                       const std::vector<double> &elevations_rad) {
+  std::vector<f64::RayStart> starts;
+  starts.reserve(elevations_rad.size() * index.wavelength_nm.size());
+  for (double elevation : elevations_rad)
+    for (std::size_t w = 0; w < index.wavelength_nm.size(); ++w) starts.push_back(launch(index, w, height_m, elevation));
+  const std::vector<f64::RayEnd> ends = tracer.trace(starts);
+  std::vector<Transfer> rays;
+  rays.reserve(ends.size());
+  for (std::size_t i = 0; i < ends.size(); ++i)
+    rays.push_back(transfer_of(ends[i], elevations_rad[i / index.wavelength_nm.size()], index.curvature_per_m));
+  return rays;
+}
+
+}  // namespace
+
+bool joined(const Transfer &a, const Transfer &b) { return a.outcome == b.outcome; }
+
+TransferTable trace_transfer(RayTracer &tracer, const IndexTable &index, double height_m, double first_elevation_rad,
+                             double spacing_rad, std::size_t entries) {
+  TransferTable table;
+  table.first_elevation_rad = first_elevation_rad;
+  table.spacing_rad = spacing_rad;
+  table.entries = entries;
+  table.wavelengths = index.wavelength_nm.size();
+  std::vector<double> elevations(entries);
+  for (std::size_t i = 0; i < entries; ++i) elevations[i] = std::clamp(table.elevation_rad(i), -pi / 2, pi / 2);
+  table.rays = trace_elevations(tracer, index, height_m, elevations);
+  return table;
+}
+
+TransferProbes probe_between(RayTracer &tracer, const IndexTable &index, double height_m, const TransferTable &table,
+                             std::size_t probes) {
+  const std::size_t stride = std::max<std::size_t>(1, (table.entries - 1) / std::max<std::size_t>(probes, 1));
+  TransferProbes result;
+  std::vector<double> elevations;
+  for (std::size_t i = 0; i + 1 < table.entries; i += stride) {
+    result.below.push_back(i);
+    elevations.push_back(std::clamp(table.elevation_rad(i) + 0.5 * table.spacing_rad, -pi / 2, pi / 2));
+  }
+  result.rays = trace_elevations(tracer, index, height_m, elevations);
+  return result;
+}
+
+double lookup_error_arcsec(const TransferTable &table, const TransferProbes &probes) {
+  double worst = 0;
+  for (std::size_t k = 0; k < probes.below.size(); ++k)
+    for (std::size_t w = 0; w < table.wavelengths; ++w) {
+      const Transfer &a = table.at(probes.below[k], w), &b = table.at(probes.below[k] + 1, w);
+      const Transfer &middle = probes.rays[k * table.wavelengths + w];
+      if (a.outcome != f64::RAY_SPACE || !joined(a, b) || !joined(a, middle)) continue;
+      worst = std::max(worst, std::abs(0.5 * (a.true_altitude_rad + b.true_altitude_rad) - middle.true_altitude_rad));
+    }
+  return to_arcsec(worst);
+}
+
+}  // namespace greenray

@@ -1,0 +1,45 @@
+// Symmetry: with n(h) and a fixed eye, all that a sky ray does depends on its elevation and wavelength alone.
+// The transfer table holds it over evenly spaced elevations; pictures are filled from it by look-up.
+#pragma once
+#include <vector>
+
+#include "compute/ray_tracer.hpp"
+
+namespace greenray {
+
+/// One ray of the table: where it ends and what it went through.
+struct Transfer {
+  int outcome;
+  double true_altitude_rad;   // of its direction outside the air (space only)
+  double bending_rad;
+  std::array<double, 3> column;  // air [kg/m^2], ozone and aerosol [m], as in kernels/shared/ray.h
+  double distance_m, min_height_m;
+};
+
+struct TransferTable {
+  double first_elevation_rad = 0, spacing_rad = 0;
+  std::size_t entries = 0, wavelengths = 0;
+  std::vector<Transfer> rays;  // [entries][wavelengths]
+  const Transfer &at(std::size_t entry, std::size_t wave) const { return rays[entry * wavelengths + wave]; }
+  double elevation_rad(std::size_t entry) const { return first_elevation_rad + static_cast<double>(entry) * spacing_rad; }
+};
+
+/// Traces every elevation x wavelength of the index table from an eye at height_m.
+TransferTable trace_transfer(RayTracer &tracer, const IndexTable &index, double height_m, double first_elevation_rad,
+                             double spacing_rad, std::size_t entries);
+
+/// The entries half way between those of `table`, at most `probes` of them, evenly chosen; `below` says after which entry.
+struct TransferProbes {
+  std::vector<std::size_t> below;
+  std::vector<Transfer> rays;  // [probes][wavelengths]
+};
+TransferProbes probe_between(RayTracer &tracer, const IndexTable &index, double height_m, const TransferTable &table,
+                             std::size_t probes);
+
+/// Largest error [arcsec] of true altitude when joined entries are interpolated half way.
+double lookup_error_arcsec(const TransferTable &table, const TransferProbes &probes);
+
+/// May the two be interpolated? Same outcome and turning points of the same kind.
+bool joined(const Transfer &a, const Transfer &b);
+
+}  // namespace greenray

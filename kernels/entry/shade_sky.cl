@@ -1,0 +1,43 @@
+/* One work-item adds some samples of one pixel to its spectrum, and their band mean and its square for the noise. */
+#include "lib/language.h"
+#include "lib/random.h"
+#include "shared/sky.h"
+#define SCALAR_ROOT sqrt
+#define SCALAR_SINE sin
+#include "sky/sky.h"
+
+__kernel void shade_sky(__global const float *table, __global const float *limb, __global float *spectra,
+                        __global float *moments, const SkyView view) {
+  const int pixel = (int)get_global_id(0);
+  if (pixel >= view.width * view.rows) return;
+  const int column = pixel % view.width, row = view.first_row + pixel / view.width;
+  const int waves = SKY_WAVES;
+  real sum[SKY_WAVES / LANES];
+  for (int g = 0; g < SKY_WAVES / LANES; ++g) sum[g] = SPREAD(0);
+  float mean = 0.0f, square = 0.0f;
+  for (int s = 0; s < view.samples; ++s) {
+    float x, y;
+    sample_place(&view, column, row, view.first_sample + s, &x, &y);
+    const SkyDirection d = view_direction(&view, x, y);
+    const float at = clamp((d.elevation_rad - view.first_elevation_rad) * view.entries_per_rad, 0.0f,
+                           (float)(view.entries - 1));
+    const int entry = min((int)at, view.entries - 2);
+    real band = SPREAD(0);
+    for (int g = 0; g < SKY_WAVES / LANES; ++g) {
+      const real radiance =
+          sky_radiance(&view, table, limb, waves, g * LANES, entry, at - (float)entry, d.azimuth_rad);
+      sum[g] += radiance;
+      band += radiance;
+    }
+    float total = 0.0f;
+    for (int i = 0; i < LANES; ++i) total += LANE(band, i);
+    mean += total;
+    square += total * total;
+  }
+  for (int g = 0; g < SKY_WAVES / LANES; ++g) {
+    __global float *out = spectra + pixel * waves + g * LANES;
+    store_waves(out, load_waves(out) + sum[g]);
+  }
+  moments[2 * pixel] += mean;
+  moments[2 * pixel + 1] += square;
+}

@@ -1,0 +1,89 @@
+/* Light of one direction: the Sun's darkened disk, seen through the transfer table, over the glow of sky or sea. */
+
+#ifdef __OPENCL_C_VERSION__
+#if LANES == 8
+DEVICE real load_waves(__global const float *p) { return vload8(0, p); }
+DEVICE void store_waves(__global float *p, real v) { vstore8(v, 0, p); }
+#elif LANES == 4
+DEVICE real load_waves(__global const float *p) { return vload4(0, p); }
+DEVICE void store_waves(__global float *p, real v) { vstore4(v, 0, p); }
+#else
+DEVICE real load_waves(__global const float *p) { return *p; }
+DEVICE void store_waves(__global float *p, real v) { *p = v; }
+#endif
+DEVICE float angle_of(float y, float x) { return atan2(y, x); }
+#else
+DEVICE real load_waves(const float *p) {
+  real v;
+  for (int i = 0; i < LANES; ++i) LANE(v, i) = p[i];
+  return v;
+}
+DEVICE float angle_of(float y, float x) { return std::atan2(y, x); }
+#endif
+
+typedef struct SkyDirection {
+  float elevation_rad, azimuth_rad; /* azimuth from the picture's centre, clockwise */
+} SkyDirection;
+
+/* Direction of a place in the picture (pixels, rectilinear projection). */
+DEVICE SkyDirection view_direction(const SkyView *v, float column, float row) {
+  const float right = (column - v->centre_column) * v->pixel_tangent;
+  const float up = (v->centre_row - row) * v->pixel_tangent;
+  const float forward = v->cos_altitude - up * v->sin_altitude;
+  const float height = v->sin_altitude + up * v->cos_altitude;
+  SkyDirection d;
+  d.azimuth_rad = angle_of(right, forward);
+  d.elevation_rad = angle_of(height, SCALAR_ROOT(forward * forward + right * right));
+  return d;
+}
+
+/* Square of the chord 2 sin(d/2) between a point at true altitude sun + from_sun and the Sun's centre. */
+DEVICE real chord2_from_sun(const SkyView *v, real from_sun, float azimuth_rad) {
+  const float half_azimuth = SCALAR_SINE(0.5f * (azimuth_rad - v->sun_azimuth_rad));
+  /* cos(a + d) to second order; d is large only where the disk is far. */
+  const real cos_there = v->sun_cos_altitude - from_sun * (v->sun_sin_altitude + 0.5f * from_sun * v->sun_cos_altitude);
+  const real vertical = from_sun * (1.0f - from_sun * from_sun * (1.0f / 24.0f));
+  return vertical * vertical + 4.0f * half_azimuth * half_azimuth * v->sun_cos_altitude * cos_there;
+}
+
+/* Limb darkening I(mu)/I(1) = sum A_k mu^k (Neckel & Labs 1994), 0 beyond the limb. */
+DEVICE real sun_disk(real chord2, float radius_rad, GLOBAL const float *limb, int waves, int wave) {
+  const real mu2 = 1.0f - chord2 * (1.0f / (radius_rad * radius_rad));
+  const real mu = root(larger(mu2, SPREAD(0)));
+  real sum = SPREAD(0);
+  for (int k = LIMB_TERMS - 1; k >= 0; --k) sum = sum * mu + load_waves(limb + k * waves + wave);
+  return mu2 >= R(0) ? sum : SPREAD(0);
+}
+
+/* Henyey & Greenstein (1941) phase function over 4 pi, from the chord to the Sun: cos t = 1 - chord^2/2. */
+DEVICE real aureole(real chord2, float g) {
+  const real denominator = (1.0f - g) * (1.0f - g) + g * chord2;
+  return R(0.0795774715) * (1.0f - g * g) / (denominator * root(denominator));
+}
+
+/* Radiance of wavelengths wave .. wave + LANES - 1 in a direction, between entries i and i + 1. */
+DEVICE real sky_radiance(const SkyView *v, GLOBAL const float *table, GLOBAL const float *limb, int waves, int wave,
+                         int entry, float fraction, float azimuth_rad) {
+  GLOBAL const float *here = table + (entry * SKY_CHANNEL_COUNT) * waves + wave;
+  GLOBAL const float *next = here + SKY_CHANNEL_COUNT * waves;
+  const real joined = load_waves(here + SKY_JOINED * waves);
+  const real f = joined > R(0.5) ? SPREAD(fraction) : SPREAD(fraction < 0.5f ? 0.0f : 1.0f);
+  real value[4];
+  for (int c = 0; c < 4; ++c) {
+    const real a = load_waves(here + c * waves), b = load_waves(next + c * waves);
+    value[c] = a + f * (b - a);
+  }
+  const real chord2 = chord2_from_sun(v, value[SKY_FROM_SUN], azimuth_rad);
+  return value[SKY_SUN] * sun_disk(chord2, v->sun_radius_rad, limb, waves, wave) + value[SKY_GLOW] +
+         value[SKY_AUREOLE] * aureole(chord2, v->phase_asymmetry);
+}
+
+/* Place of a sample inside its pixel: the R2 sequence (Roberts 2018), shifted by a random number of the pixel. */
+DEVICE void sample_place(const SkyView *v, int column, int row, int sample, float *x, float *y) {
+  const RandomWords counter = {{(unsigned int)column, (unsigned int)row, 0u, 0u}};
+  const RandomWords r = philox(counter, v->seed, 0x536b79u);
+  const float a = unit_interval(r.word[0] + 3242174889u * (unsigned int)sample);
+  const float b = unit_interval(r.word[1] + 2447445414u * (unsigned int)sample);
+  *x = (float)column + a;
+  *y = (float)row + b;
+}
