@@ -130,15 +130,6 @@ void print_summary(const RenderReport &r, const RenderPlan &plan, double total) 
   }
 }
 
-/// One wavelength has no colour: its radiance is shown grey.
-RgbImage picture_rgb(const SpectralImage &image) {
-  if (image.wavelength_nm.size() > 1) return rgb_from_spectral(image);
-  RgbImage grey{image.width, image.height, std::vector<float>(image.pixels() * 3)};
-  for (std::size_t i = 0; i < image.pixels(); ++i)
-    for (std::size_t c = 0; c < 3; ++c) grey.rgb[3 * i + c] = image.radiance[i];
-  return grey;
-}
-
 /// Is there room and right to write there? Found out before the work, not after.
 void check_writable(const fs::path &path) {
   AtomicFile probe(path);  // creates the folder and a temporary, both as the result would be; removed again
@@ -163,7 +154,7 @@ int run(const Arguments &a) {
   progress.end();
 
   const auto eye_begin = Clock::now();
-  const RgbImage rgb = picture_rgb(rendered.image);
+  const RgbImage rgb = rgb_from_spectral(rendered.image);
   const CameraPicture camera = develop_camera(rgb, {scene.eye.exposure_ev, 8, true});
   const double eye_seconds = seconds_since(eye_begin);
 

@@ -165,7 +165,19 @@ SpectralWeights spectral_weights(const std::vector<double> &wavelength_nm, Colou
   return weights;
 }
 
+/// One wavelength has no colour: grey, with the luminance of a band 1 nm wide.
+static RgbImage grey_from_single_wavelength(const SpectralImage &image, ColourMatching observer) {
+  const double weight = luminous_efficacy_lm_W * colour_matching(image.wavelength_nm.front(), observer)[1];
+  RgbImage grey{image.width, image.height, std::vector<float>(3 * image.pixels())};
+  for (std::size_t p = 0; p < image.pixels(); ++p) {
+    const double luminance = weight * static_cast<double>(image.radiance[p]);
+    grey.set_pixel(p, {luminance, luminance, luminance});
+  }
+  return grey;
+}
+
 RgbImage rgb_from_spectral(const SpectralImage &image, ColourMatching observer) {
+  if (image.wavelength_nm.size() == 1) return grey_from_single_wavelength(image, observer);
   const SpectralWeights weights = spectral_weights(image.wavelength_nm, observer);
   const std::size_t count = image.wavelength_nm.size();
   RgbImage result{image.width, image.height, std::vector<float>(3 * image.pixels())};

@@ -50,10 +50,11 @@ double mean_over_centre(const std::array<double, 6> &limb) {
   return mean;
 }
 
-SpectralAir academic_air() {
+/// A disk that a display shows white: the spectrum of D65, as bright as the Sun at 560 nm (2.6e4 W m^-2 sr^-1 nm^-1).
+SpectralAir academic_air(const CsvTable &d65, double wavelength_nm) {
   SpectralAir air{};
   air.limb = {1, 0, 0, 0, 0, 0};
-  air.sun_centre_radiance = 1;  // a white disk: the same radiance at every wavelength
+  air.sun_centre_radiance = 2.6e4 * d65.interpolate("nm", "S", wavelength_nm, Outside::clamp) / 100;
   return air;
 }
 
@@ -79,8 +80,12 @@ std::vector<double> wavelengths_even_in_refraction(IndexModel model, const std::
 }
 
 std::vector<SpectralAir> spectral_air(const Scene &scene, const std::vector<double> &wavelength_nm) {
-  if (scene.sky.model == SkyScene::Model::academic)
-    return std::vector<SpectralAir>(wavelength_nm.size(), academic_air());
+  if (scene.sky.model == SkyScene::Model::academic) {
+    const CsvTable d65 = CsvTable::embedded("host/data/cie_d65_5nm.csv");
+    std::vector<SpectralAir> white;
+    for (double nm : wavelength_nm) white.push_back(academic_air(d65, nm));
+    return white;
+  }
   const CsvTable sun = CsvTable::embedded("host/data/solar_extraterrestrial_5nm.csv");
   const CsvTable limb = CsvTable::embedded("host/data/limb_darkening_neckel_labs1994.csv");
   const CsvTable rayleigh = CsvTable::embedded("host/data/rayleigh_5nm.csv");
