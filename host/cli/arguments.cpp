@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 
 namespace greenray::cli {
@@ -81,6 +82,8 @@ Arguments::Arguments(const CommandSpec &spec, const std::vector<std::string> &wo
       continue;
     }
     Given &given = values_[flag->name];
+    if (!given.values.empty() && !flag->repeatable)
+      wrong.push_back({here, flag->name + " is given twice: expected it once"});
     given.place = here;
     if (flag->value.empty()) {
       if (has_attached) wrong.push_back({here, flag->name + " is a switch: expected no value"});
@@ -178,6 +181,13 @@ std::string Arguments::choice(const std::string &flag, const std::vector<std::st
   std::string list;
   for (const std::string &word : words) list += (list.empty() ? "" : " | ") + word;
   fail(flag, "expected " + list + did_you_mean(given, words));
+}
+
+std::string Arguments::file(const std::string &flag, const std::string &extension) const {
+  const std::string name = text(flag);
+  if (std::filesystem::path(name).extension() != extension)
+    fail(flag, "expected a file name that ends in " + extension);
+  return name;
 }
 
 std::string usage(const CommandSpec &spec) {

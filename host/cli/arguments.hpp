@@ -15,6 +15,7 @@ struct Flag {
   std::string value;        // "M", "LIST"; "" for a switch
   std::string help;
   bool required = false;
+  bool repeatable = false;
 };
 
 struct CommandSpec {
@@ -45,6 +46,8 @@ class Arguments {
   std::vector<double> list(const std::string &flag, double low, double high, const std::string &unit) const;
   /// One of the words; did-you-mean otherwise.
   std::string choice(const std::string &flag, const std::vector<std::string> &words, const std::string &otherwise) const;
+  /// A file name with this extension (".svg"); so that a picture is not written over a text by mistake.
+  std::string file(const std::string &flag, const std::string &extension) const;
   SourcePlace place(const std::string &flag) const;
   [[noreturn]] void fail(const std::string &flag, const std::string &message) const;
 

@@ -36,14 +36,14 @@ int develop(const Arguments &a) {
   if (observer != "camera")
     a.fail("--observer", "only the camera is built in this version: expected camera");
   const auto ev = a.optional_number("--exposure", -60, 60, "EV");
-  if (!a.has("--output")) a.fail("--output", "expected -o OUT.png");
+  const std::string png = a.file("--output", ".png");
   const ExrPicture picture = read_exr(a.positional()[0]);
   const CameraPicture camera = develop_camera(picture.rgb(), {ev, 8, true});
-  AtomicFile file(a.text("--output"));
+  AtomicFile file(png);
   write_png(file, camera.pixels);
   file.commit();
   if (!a.has("--quiet"))
-    std::cout << "wrote    " << a.text("--output") << "  (key " << camera.report.key_cd_m2 << " cd/m2, "
+    std::cout << "wrote    " << png << "  (key " << camera.report.key_cd_m2 << " cd/m2, "
               << camera.report.gamut_moved << " pixels brought into gamut)\n";
   return 0;
 }

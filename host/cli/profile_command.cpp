@@ -205,16 +205,18 @@ std::string as_json(const Profile &profile, const Diagnosis &diagnosis, const Re
 
 int run(const Arguments &a) {
   const Request request = request_from(a);
+  const std::string toml = a.has("--output") ? a.file("--output", ".toml") : "";
+  const std::string svg = a.has("--plot") ? a.file("--plot", ".svg") : "";
   const ProfileSpec spec = load(a, request);
   const Profile profile(spec);
   const Diagnosis diagnosis = diagnose(profile, request.eye_height_m);
   const std::string text = request.json ? as_json(profile, diagnosis, request) : as_csv(profile, diagnosis, request);
   AtomicFileSet files;
-  if (a.has("--output")) files.add(a.text("--output")).write(write_profile(spec));
-  if (a.has("--plot")) {
+  if (!toml.empty()) files.add(toml).write(write_profile(spec));
+  if (!svg.empty()) {
     const std::vector<double> shown =
         request.wavelengths_nm.empty() ? std::vector<double>{diagnosis_wavelength_nm} : request.wavelengths_nm;
-    files.add(a.text("--plot")).write(draw_svg(air_plot(profile, diagnosis, shown, request.eye_height_m)));
+    files.add(svg).write(draw_svg(air_plot(profile, diagnosis, shown, request.eye_height_m)));
   }
   files.commit();
   std::cout << text << std::flush;

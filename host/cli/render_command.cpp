@@ -56,14 +56,14 @@ RenderOptions options_from(const Arguments &a) {
   if (a.has("--crop")) {
     const auto n = integers(a, "--crop", ',', 4, "expected X0,Y0,X1,Y1 in pixels");
     options.crop = {n[0], n[1], n[2], n[3]};
+    options.crop_place = a.place("--crop");
   }
   return options;
 }
 
 fs::path output_path(const Arguments &a, const Scene &scene) {
-  fs::path path = a.has("--output") ? fs::path(a.text("--output")) : fs::path(scene.output.image);
+  fs::path path = a.has("--output") ? fs::path(a.file("--output", ".exr")) : fs::path(scene.output.image);
   if (path.empty()) path = fs::path("out") / (scene.name + ".exr");
-  if (path.extension() != ".exr") a.fail("--output", "expected a file name that ends in .exr");
   return path;
 }
 
@@ -202,7 +202,7 @@ int check(const Arguments &a) {
 
 std::vector<Flag> render_flags() {
   return {{"--output", "-o", "OUT.exr", "where to write; .png and .json go beside it"},
-          {"--set", "-D", "KEY=VALUE", "override any scene key, repeatable"},
+          {"--set", "-D", "KEY=VALUE", "override any scene key, repeatable", false, true},
           {"--spp", "", "N", "samples a pixel"},
           {"--error", "", "PCT", "stop when the noise is below this percentage"},
           {"--minutes", "", "M", "stop after this time"},

@@ -76,11 +76,12 @@ int run(const Arguments &a) {
   const Profile profile(load_profile(a.positional()[0], ".", a.positional_place(0)));
   const bool json = a.choice("--format", {"csv", "json"}, a.has("--json") ? "json" : "csv") == "json";
   const bool plot = a.has("--plot");
+  const std::string svg = plot ? a.file("--plot", ".svg") : "";
   if (plot && *std::max_element(request.distances_m.begin(), request.distances_m.end()) <= 0)
     a.fail("--plot", "nothing to draw: expected a distance above 0 in --distances");
   const std::shared_ptr<Device> device = open_device(device_options(a));
   const std::vector<TraceRow> rows = trace_table(profile, request, device);
-  if (plot) write_file_atomically(a.text("--plot"), drawing(request, profile, device));
+  if (plot) write_file_atomically(svg, drawing(request, profile, device));
   emit(a, json ? as_json(rows, request, profile) : as_csv(rows, request, profile));
   return 0;
 }

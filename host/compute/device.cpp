@@ -98,7 +98,8 @@ std::vector<Found> choose(const std::vector<Found> &all, const std::string &sele
     if (these.empty()) {
       std::string list;
       for (const Found &f : all) list += "\n  " + f.info.address() + "  " + f.info.name;
-      throw DeviceError("no OpenCL device matches '" + word + "'; there are:" + list);
+      throw DeviceError("no OpenCL device matches '" + word + "'; there are:" + list +
+                        "\nanother CPU driver comes with `apt-get install pocl-opencl-icd`, a GPU's from its vendor");
     }
     for (Found &f : these)
       if (std::none_of(chosen.begin(), chosen.end(), [&](auto &c) { return c.info.flat_index == f.info.flat_index; }))

@@ -28,7 +28,8 @@ struct ElevationRange {
   }
 };
 
-/// Elevations that the crop sees: the extremes lie on its border, or at zenith and nadir inside it.
+/// Elevations that the whole picture sees (a crop uses the same table, so that it has the same bits): the extremes lie on
+/// the border, or at zenith and nadir inside it.
 ElevationRange elevation_range(const Scene &scene, const RenderPlan &plan) {
   const double tangent = 2 * std::tan(to_rad(scene.observer.fov_deg) / 2) / plan.size[0];
   const double altitude = to_rad(scene.observer.altitude_deg);
@@ -41,12 +42,12 @@ ElevationRange elevation_range(const Scene &scene, const RenderPlan &plan) {
   };
   constexpr int points = 64;
   for (int i = 0; i <= points; ++i) {
-    const double column = plan.crop[0] + (plan.crop[2] - plan.crop[0]) * static_cast<double>(i) / points;
-    const double row = plan.crop[1] + (plan.crop[3] - plan.crop[1]) * static_cast<double>(i) / points;
-    look(column, plan.crop[1]);
-    look(column, plan.crop[3]);
-    look(plan.crop[0], row);
-    look(plan.crop[2], row);
+    const double column = plan.size[0] * static_cast<double>(i) / points;
+    const double row = plan.size[1] * static_cast<double>(i) / points;
+    look(column, 0);
+    look(column, plan.size[1]);
+    look(0, row);
+    look(plan.size[0], row);
     look(0.5 * plan.size[0], row);  // straight ahead: steepest in its row
   }
   const double half_height = 0.5 * plan.size[1] * tangent;
@@ -69,6 +70,8 @@ void explain(const Scene &scene, const RenderOptions &options, RenderPlan &plan)
   auto &did = plan.modelled, &left = plan.left_out;
   if (options.straight) left.push_back("bending: --straight");
   else did.push_back("bent rays: the index varies with height");
+  if (scene.tracing.transfer == TracingScene::Transfer::per_pixel)
+    left.push_back("tracing.transfer = \"per-pixel\": not built yet in this version, the table is used");
   did.push_back("one transfer table over elevation and wavelength: the index depends on height alone");
   if (plan.wavelengths_nm.size() > 1) did.push_back("dispersion: " + std::to_string(plan.wavelengths_nm.size()) + " wavelengths");
   else left.push_back("dispersion: one wavelength asked for");
@@ -92,7 +95,7 @@ RenderPlan plan_render(const Scene &scene, const RenderOptions &options) {
   plan.crop = options.crop.value_or(std::array<int, 4>{0, 0, plan.size[0], plan.size[1]});
   if (plan.crop[0] < 0 || plan.crop[1] < 0 || plan.crop[2] > plan.size[0] || plan.crop[3] > plan.size[1] ||
       plan.crop[0] >= plan.crop[2] || plan.crop[1] >= plan.crop[3])
-    throw InputError({"command line", 1, 1}, "--crop: expected X0,Y0,X1,Y1 inside the picture of " +
+    throw InputError(options.crop_place, "--crop: expected X0,Y0,X1,Y1 inside the picture of " +
                                                  std::to_string(plan.size[0]) + "x" + std::to_string(plan.size[1]));
   plan.wavelengths_nm = wavelengths_even_in_refraction(scene.atmosphere.profile.index, scene.spectrum.range_nm,
                                                        scene.spectrum.samples);

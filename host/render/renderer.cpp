@@ -114,7 +114,7 @@ class Renderer {
     if (sun.given == SunScene::Given::apparent_altitude) {
       const f64::RayEnd end = trace_on_host(reference_, 0, scene_.observer.height_m, point);
       if (end.outcome != f64::RAY_SPACE)
-        throw InputError({scene_.file, 1, 1}, "sun.apparent_altitude_deg = " + std::to_string(sun.altitude_deg) +
+        throw InputError(sun.altitude_place, "sun.apparent_altitude_deg = " + std::to_string(sun.altitude_deg) +
                                                   ": light from there comes from the " + outcome_name(end.outcome) +
                                                   ", not from the sky; expected an altitude above the horizon (" +
                                                   std::to_string(report_.horizon_altitude_deg.value_or(0)) + " deg at 550 nm)");
@@ -189,8 +189,8 @@ class Renderer {
     v.sin_altitude = static_cast<float>(std::sin(altitude));
     v.cos_altitude = static_cast<float>(std::cos(altitude));
     v.pixel_tangent = static_cast<float>(2 * std::tan(to_rad(scene_.observer.fov_deg) / 2) / plan_.size[0]);
-    v.centre_column = 0.5f * static_cast<float>(plan_.size[0]) - static_cast<float>(plan_.crop[0]);
-    v.centre_row = 0.5f * static_cast<float>(plan_.size[1]) - static_cast<float>(plan_.crop[1]);
+    v.centre_column = 0.5f * static_cast<float>(plan_.size[0]);
+    v.centre_row = 0.5f * static_cast<float>(plan_.size[1]);
     v.first_elevation_rad = static_cast<float>(transfer_.first_elevation_rad);
     v.entries_per_rad = static_cast<float>(1 / transfer_.spacing_rad);
     v.sun_azimuth_rad = static_cast<float>(sun_.azimuth_rad);
@@ -200,6 +200,7 @@ class Renderer {
     v.phase_asymmetry = static_cast<float>(aerosol_asymmetry);
     v.entries = static_cast<int>(transfer_.entries);
     v.width = plan_.crop[2] - plan_.crop[0];
+    v.first_column = plan_.crop[0];
     v.seed = static_cast<unsigned int>(options_.seed ^ (options_.seed >> 32));
     return v;
   }
@@ -226,7 +227,7 @@ class Renderer {
     image_.channels["variance"].resize(image_.pixels());
     f32::SkyView v = view();
     for (int first = 0; first < height; first += rows) {
-      v.first_row = first;
+      v.first_row = plan_.crop[1] + first;
       v.rows = std::min(rows, height - first);
       shade_band(shader, v, static_cast<double>(first) / height, static_cast<double>(v.rows) / height);
     }
@@ -279,7 +280,8 @@ class Renderer {
 
   void keep(const SkyShader::Sums &sums, const f32::SkyView &v, int samples) {
     const std::size_t waves = plan_.wavelengths_nm.size(), pixels = static_cast<std::size_t>(v.width * v.rows);
-    const std::size_t padded = sums.spectra.size() / pixels, first = static_cast<std::size_t>(v.first_row * v.width);
+    const std::size_t padded = sums.spectra.size() / pixels;
+    const std::size_t first = static_cast<std::size_t>(v.first_row - plan_.crop[1]) * static_cast<std::size_t>(v.width);
     const float scale = 1.0f / static_cast<float>(samples);
     for (std::size_t i = 0; i < pixels; ++i) {
       for (std::size_t w = 0; w < waves; ++w)
@@ -323,7 +325,8 @@ class Renderer {
     const std::size_t wave = plan_.wavelengths_nm.size() / 2;
     for (int y = 0; y < image_.height; ++y)
       for (int x = 0; x < image_.width; ++x) {
-        const f32::SkyDirection d = f32::view_direction(&v, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+        const f32::SkyDirection d = f32::view_direction(&v, static_cast<float>(x + plan_.crop[0]) + 0.5f,
+                                                        static_cast<float>(y + plan_.crop[1]) + 0.5f);
         const double at = (static_cast<double>(d.elevation_rad) - transfer_.first_elevation_rad) / transfer_.spacing_rad;
         const auto entry = static_cast<std::size_t>(std::clamp(std::round(at), 0.0, double(transfer_.entries - 1)));
         const Transfer &t = transfer_.at(entry, wave);

@@ -19,6 +19,7 @@ struct RenderOptions {
   bool quick = false;                             // quarter size
   std::optional<std::array<int, 2>> size;         // overrides observer.resolution
   std::optional<std::array<int, 4>> crop;         // x0, y0, x1, y1 in pixels, x1 and y1 excluded
+  SourcePlace crop_place{"command line", 1, 1};
   std::optional<int> spp;                         // these three override tracing.quality; the first one reached stops
   std::optional<double> error_pct, minutes;
   std::function<void(const std::string &phase, double fraction, double noise)> progress;

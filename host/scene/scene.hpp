@@ -37,6 +37,7 @@ struct SunScene {
   enum class Given { nothing, true_altitude, apparent_altitude } given = Given::nothing;
   enum class Part { centre, upper_limb, lower_limb } part = Part::centre;  // key `at`: which point has that altitude
   double altitude_deg = 0.0;
+  SourcePlace altitude_place;
   std::optional<double> azimuth_deg;         // default: the observer's
   double diameter_arcmin = 31.9877;          // 2 x 959.63"
   bool limb_darkening = true;

@@ -81,6 +81,8 @@ void read_sun(const TomlTable &table, SunScene &sun) {
                    "sun by date and place is not built yet: give altitude_deg or apparent_altitude_deg");
   if (table.read("altitude_deg", sun.altitude_deg, altitude)) sun.given = SunScene::Given::true_altitude;
   if (table.read("apparent_altitude_deg", sun.altitude_deg, altitude)) sun.given = SunScene::Given::apparent_altitude;
+  sun.altitude_place =
+      table.place(sun.given == SunScene::Given::apparent_altitude ? "apparent_altitude_deg" : "altitude_deg");
   const bool has_true = table.has("altitude_deg"), has_apparent = table.has("apparent_altitude_deg");
   if (has_true && has_apparent)
     table.complain("apparent_altitude_deg", "expected either altitude_deg or apparent_altitude_deg, found both");

@@ -28,15 +28,6 @@ std::string megabytes(std::uint64_t bytes) {
 
 bool is_picture(const fs::path &target) { return target.extension() == ".exr" || target.extension() == ".png"; }
 
-void make_folder(const fs::path &target) {
-  const fs::path folder = target.parent_path();
-  if (folder.empty()) return;
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error && !fs::is_directory(folder))
-    throw RunError(cannot_write(target, "no folder " + folder.string() + " (" + error.message() + ")"));
-}
-
 /// Not every file system can fsync a folder; the rename has happened by then, so this is best effort.
 void sync_folder(const fs::path &target) {
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
@@ -60,13 +51,37 @@ AtomicFile::AtomicFile(fs::path target) : target_(std::move(target)) {
   if (fs::exists(status) && !fs::is_regular_file(status))
     throw RunError(cannot_write(target_, "it is not a regular file"));
   had_old_target_ = fs::exists(status);
-  make_folder(target_);
-  open_temporary();
+  try {
+    make_folder();
+    open_temporary();
+  } catch (...) {
+    remove_made_folders();
+    throw;
+  }
 }
 
 AtomicFile::~AtomicFile() {
   close_stream();
-  if (state_ != State::committed && !temporary_.empty()) ::unlink(temporary_.c_str());
+  if (state_ == State::committed) return;
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  remove_made_folders();
+}
+
+void AtomicFile::make_folder() {
+  const fs::path folder = target_.parent_path();
+  std::error_code error;
+  for (fs::path missing = folder; !missing.empty() && !fs::exists(fs::symlink_status(missing, error));
+       missing = missing.parent_path())
+    made_folders_.insert(made_folders_.begin(), missing);
+  if (made_folders_.empty() && (folder.empty() || fs::is_directory(folder, error))) return;
+  fs::create_directories(folder, error);
+  if (error && !fs::is_directory(folder))
+    throw RunError(cannot_write(target_, "no folder " + folder.string() + " (" + error.message() + ")"));
+}
+
+/// A folder that others write into is not empty and stays.
+void AtomicFile::remove_made_folders() {
+  for (auto folder = made_folders_.rbegin(); folder != made_folders_.rend(); ++folder) ::rmdir(folder->c_str());
 }
 
 void AtomicFile::open_temporary() {
@@ -143,6 +158,10 @@ void AtomicFile::commit() {
   seal();
   rename_to_target();
   sync_folder(target_);
+}
+
+AtomicFileSet::~AtomicFileSet() {
+  while (!files_.empty()) files_.pop_back();
 }
 
 AtomicFile &AtomicFileSet::add(fs::path target) {

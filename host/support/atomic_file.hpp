@@ -11,7 +11,7 @@
 namespace greenray {
 
 /* One output file. Bytes go to a temporary `.NAME.PID.tmp` in the target's folder (made if missing) until commit().
-   An old target stays untouched until then; an uncommitted temporary is removed by the destructor.
+   An old target stays untouched until then; the destructor removes an uncommitted temporary and folders made for it.
    errors: every failing system call -> RunError naming the target and the reason. The first failure is remembered
            and thrown again by seal(), because callers such as libraries' destructors may swallow exceptions. */
 class AtomicFile {
@@ -37,6 +37,8 @@ class AtomicFile {
 
  private:
   friend class AtomicFileSet;
+  void make_folder();
+  void remove_made_folders();
   enum class State { open, sealed, committed, failed };
   void open_temporary();
   [[noreturn]] void fail(int error_number);
@@ -44,6 +46,7 @@ class AtomicFile {
   void close_stream();
 
   std::filesystem::path target_, temporary_;
+  std::vector<std::filesystem::path> made_folders_;  // outermost first; removed again, if empty, without a commit
   std::FILE *stream_ = nullptr;
   std::uint64_t position_ = 0, size_ = 0;  // size_: bytes wanted so far
   bool had_old_target_ = false;
@@ -56,6 +59,10 @@ class AtomicFile {
  */
 class AtomicFileSet {
  public:
+  AtomicFileSet() = default;
+  ~AtomicFileSet();  // last added first removed: the first one may have made the folder
+  AtomicFileSet(const AtomicFileSet &) = delete;
+  AtomicFileSet &operator=(const AtomicFileSet &) = delete;
   AtomicFile &add(std::filesystem::path target);
   void commit();
 

@@ -10,7 +10,7 @@ __kernel void shade_sky(__global const float *table, __global const float *limb,
                         __global float *moments, const SkyView view) {
   const int pixel = (int)get_global_id(0);
   if (pixel >= view.width * view.rows) return;
-  const int column = pixel % view.width, row = view.first_row + pixel / view.width;
+  const int column = view.first_column + pixel % view.width, row = view.first_row + pixel / view.width;
   const int waves = SKY_WAVES;
   real sum[SKY_WAVES / LANES];
   for (int g = 0; g < SKY_WAVES / LANES; ++g) sum[g] = SPREAD(0);

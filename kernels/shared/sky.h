@@ -16,13 +16,15 @@ enum SkyChannel {
 typedef struct SkyView {
   float sin_altitude, cos_altitude;     /* of the picture's centre */
   float pixel_tangent;                  /* tan of one pixel's angle at the centre */
-  float centre_column, centre_row;      /* of the optical axis, in pixels of this crop */
+  float centre_column, centre_row;      /* of the optical axis, in pixels of the whole picture */
   float first_elevation_rad, entries_per_rad;
   float sun_azimuth_rad;                /* from the picture's centre, clockwise */
   float sun_sin_altitude, sun_cos_altitude; /* true altitude of its centre */
   float sun_radius_rad;
   float phase_asymmetry;                /* Henyey & Greenstein's g of the aerosol */
-  int entries, width, rows, first_row;
+  int entries;
+  int width, rows;                      /* of this band */
+  int first_column, first_row;          /* of this band in the whole picture: a crop has the same samples as the whole */
   unsigned int seed;
   int first_sample, samples;            /* of this launch */
 } SkyView;
