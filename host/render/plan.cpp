@@ -72,7 +72,9 @@ void explain(const Scene &scene, const RenderOptions &options, RenderPlan &plan)
   else did.push_back("bent rays: the index varies with height");
   if (scene.tracing.transfer == TracingScene::Transfer::per_pixel)
     left.push_back("tracing.transfer = \"per-pixel\": not built yet in this version, the table is used");
-  did.push_back("one transfer table over elevation and wavelength: the index depends on height alone");
+  if (scene.tracing.transfer == TracingScene::Transfer::per_pixel)
+    did.push_back("rays for every sample of every pixel: tracing.transfer = \"per-pixel\"");
+  else did.push_back("one transfer table over elevation and wavelength: the index depends on height alone");
   if (plan.wavelengths_nm.size() > 1) did.push_back("dispersion: " + std::to_string(plan.wavelengths_nm.size()) + " wavelengths");
   else left.push_back("dispersion: one wavelength asked for");
   const bool academic = scene.sky.model == SkyScene::Model::academic;

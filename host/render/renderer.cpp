@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "render/launch.hpp"
+#include "render/host_rays.hpp"
 #include "render/refraction.hpp"
 #include "render/sky.hpp"
 #include "support/angle.hpp"
@@ -26,50 +26,6 @@ ProfileSpec spec_for(const Scene &scene, const RenderOptions &options) {
   if (!scene.atmosphere.humidity)
     for (Level &level : spec.levels) level.relative_humidity.reset();
   return spec;
-}
-
-/// Bending of single rays in double on the host twin: for the Sun's place, the horizon and the table's error.
-f64::RayEnd trace_on_host(const IndexTable &table, std::size_t row, double height_m, double elevation_rad) {
-  std::vector<f64::IndexCell> cells;
-  for (std::size_t i = 0; i < table.cells_per_row; ++i) {
-    const IndexCellData &c = table.cell(row, i);
-    f64::IndexCell cell{};
-    std::copy(std::begin(c.gradient), std::end(c.gradient), cell.gradient);
-    std::copy(std::begin(c.density), std::end(c.density), cell.density);
-    cell.bottom_m = c.bottom_m, cell.thickness_m = c.thickness_m;
-    cell.log_index = c.log_index, cell.step_cap_m = c.step_cap_m;
-    cells.push_back(cell);
-  }
-  f64::RayStart start = launch(table, row, height_m, elevation_rad);
-  start.row = 0;
-  const f64::TraceSettings settings{1e-12, 100000, static_cast<int>(table.cells_per_row)};
-  const f64::Absorbers absorbers{table.curvature_per_m, ozone_peak_m, ozone_width_m, 1200};
-  f64::March march;
-  f64::start_march(&march, cells.data(), &start, 0, 0, &settings, absorbers);
-  f64::trace(&march, cells.data(), &settings);
-  f64::RayEnd end;
-  f64::record(&march, &end, 0, 0);
-  return end;
-}
-
-/// Apparent altitude [rad] of the lowest ray from the eye that reaches space, between straight down and level (bisection).
-std::optional<double> horizon_rad(const IndexTable &table, double height_m) {
-  const auto in_sky = [&](double e) { return trace_on_host(table, 0, height_m, e).outcome == f64::RAY_SPACE; };
-  double high = to_rad(1.0), low = -pi / 2;
-  if (!in_sky(high) || in_sky(low)) return std::nullopt;
-  // The topmost ground ray: step down from the sky in thin steps first, so that ducts below do not confuse the bisection.
-  for (double e = high; e > -pi / 2; e -= std::max(1e-5, 0.01 * std::abs(e))) {
-    if (!in_sky(e)) {
-      low = e;
-      break;
-    }
-    high = e;
-  }
-  for (int i = 0; i < 50; ++i) {
-    const double middle = 0.5 * (low + high);
-    (in_sky(middle) ? high : low) = middle;
-  }
-  return high;
 }
 
 class Renderer {
@@ -125,20 +81,8 @@ class Renderer {
     azimuth -= 360 * std::round(azimuth / 360);
     sun_.azimuth_rad = to_rad(azimuth);
     report_.sun_true_altitude_deg = to_deg(sun_.true_altitude_rad);
-    report_.sun_apparent_altitude_deg = apparent_altitude_deg(sun_.true_altitude_rad);
-  }
-
-  /// By iteration from the apparent side; nothing if the centre is below the horizon. One image where there are several.
-  std::optional<double> apparent_altitude_deg(double true_rad) const {
-    double e = true_rad + from_arcsec(1500);
-    for (int i = 0; i < 60; ++i) {
-      const f64::RayEnd end = trace_on_host(reference_, 0, scene_.observer.height_m, std::min(e, pi / 2));
-      if (end.outcome != f64::RAY_SPACE) return std::nullopt;
-      const double next = true_rad + end.bending_rad;
-      if (std::abs(next - e) < 1e-10) return to_deg(next);
-      e = next;
-    }
-    return std::nullopt;
+    if (const auto seen = apparent_altitude_rad(reference_, scene_.observer.height_m, sun_.true_altitude_rad))
+      report_.sun_apparent_altitude_deg = to_deg(*seen);
   }
 
   /// Error of the table: its rays against those of a table thirty times finer, in double on the host.
@@ -156,17 +100,21 @@ class Renderer {
     }
   }
 
-  void trace_table() {
-    progress("rays", 0);
-    const auto begin = Clock::now();
-    const double compiled_before = device_->compile_seconds();
+  TraceOptions trace_options() const {
     TraceOptions trace;
     trace.precision = plan_.precision;
     trace.integrator = plan_.integrator;
     trace.tolerance_rad = scene_.tracing.tolerance;
     trace.max_steps = scene_.tracing.max_steps;
     trace.absorbers = {0, ozone_peak_m, ozone_width_m, scene_.atmosphere.aerosol_scale_height_m};
-    RayTracer tracer(device_, table_, trace);
+    return trace;
+  }
+
+  void trace_table() {
+    progress("rays", 0);
+    const auto begin = Clock::now();
+    const double compiled_before = device_->compile_seconds();
+    RayTracer tracer(device_, table_, trace_options());
     const double height_m = scene_.observer.height_m;
     transfer_ = trace_transfer(tracer, table_, height_m, to_rad(plan_.first_elevation_deg),
                                from_arcsec(plan_.spacing_arcsec), plan_.entries);
@@ -212,6 +160,11 @@ class Renderer {
     const int waves = padded_waves(*device_, static_cast<int>(plan_.wavelengths_nm.size()));
     const SkyTable sky = make_sky_table(scene_, transfer_, towards_sun_, at_10_degrees_, air, sun_, waves);
     measure_bias(sky, air, waves);
+    if (scene_.tracing.transfer == TracingScene::Transfer::per_pixel) {
+      shade_per_pixel(air);
+      report_.gather_seconds = seconds_since(begin) - (device_->compile_seconds() - compiled_before);
+      return;
+    }
     const int width = plan_.crop[2] - plan_.crop[0], height = plan_.crop[3] - plan_.crop[1];
     const std::size_t row_bytes = SkyShader::band_bytes(width, 1, waves);
     const std::size_t fixed = (sky.values.size() + sky.limb.size()) * sizeof(float) + device_->used_bytes();
@@ -220,21 +173,79 @@ class Renderer {
     const int rows = static_cast<int>(std::clamp<std::size_t>(largest / row_bytes, 1, static_cast<std::size_t>(height)));
     SkyShader shader(device_, sky, width, rows);
 
-    image_.width = width;
-    image_.height = height;
-    image_.wavelength_nm = plan_.wavelengths_nm;
-    image_.radiance.resize(image_.pixels() * plan_.wavelengths_nm.size());
-    image_.channels["variance"].resize(image_.pixels());
+    size_image();
     f32::SkyView v = view();
     for (int first = 0; first < height; first += rows) {
       v.first_row = plan_.crop[1] + first;
       v.rows = std::min(rows, height - first);
       shade_band(shader, v, static_cast<double>(first) / height, static_cast<double>(v.rows) / height);
     }
+    finish_image();
+    report_.gather_seconds = seconds_since(begin) - (device_->compile_seconds() - compiled_before);
+  }
+
+  void size_image() {
+    image_.width = plan_.crop[2] - plan_.crop[0];
+    image_.height = plan_.crop[3] - plan_.crop[1];
+    image_.wavelength_nm = plan_.wavelengths_nm;
+    image_.radiance.resize(image_.pixels() * plan_.wavelengths_nm.size());
+    image_.channels["variance"].resize(image_.pixels());
+  }
+
+  void finish_image() {
     describe_pixels();
     const double pixels = static_cast<double>(image_.pixels());
     report_.noise_rms = band_sum_ > 0 ? std::sqrt(variance_sum_ / pixels) / (band_sum_ / pixels) : 0;
-    report_.gather_seconds = seconds_since(begin) - (device_->compile_seconds() - compiled_before);
+  }
+
+  /// For comparison with the transfer table: every sample of every pixel traces its own rays on the device.
+  void shade_per_pixel(const std::vector<SpectralAir> &air) {
+    size_image();
+    report_.spp = plan_.spp;
+    RayTracer tracer(device_, table_, trace_options());
+    f32::SkyView v = view();
+    v.rows = 1;
+    for (int row = 0; row < image_.height; ++row) {
+      v.first_row = row;
+      const std::size_t waves = air.size(), width = static_cast<std::size_t>(image_.width);
+      SkyShader::Sums sums{std::vector<float>(width * waves), std::vector<float>(width * 2)};
+      for (int sample = 0; sample < plan_.spp; ++sample) add_own_rays(tracer, air, v, sample, sums);
+      keep(sums, v, plan_.spp);
+      progress("picture", static_cast<double>(row + 1) / image_.height);
+    }
+    report_.trace = tracer.stats();
+    report_.solver_arcsec = to_arcsec(report_.trace.solver_error_rad);
+    report_.lookup_arcsec = report_.bias = 0;
+    finish_image();
+  }
+
+  /// One sample of one row, each pixel with rays of its own; the same shading text as the kernel, on the host.
+  void add_own_rays(RayTracer &tracer, const std::vector<SpectralAir> &air, const f32::SkyView &v, int sample,
+                    SkyShader::Sums &sums) {
+    std::vector<double> elevations;
+    std::vector<float> azimuths;
+    for (int column = 0; column < v.width; ++column) {
+      float x, y;
+      f32::sample_place(&v, column, v.first_row, sample, &x, &y);
+      const f32::SkyDirection d = f32::view_direction(&v, x, y);
+      elevations.push_back(static_cast<double>(d.elevation_rad));
+      azimuths.push_back(d.azimuth_rad);
+    }
+    elevations.push_back(elevations.back());  // look-up reads one entry further
+    const TransferTable own = trace_elevations(tracer, table_, scene_.observer.height_m, elevations);
+    const int waves = static_cast<int>(air.size());
+    const SkyTable sky = make_sky_table(scene_, own, towards_sun_, at_10_degrees_, air, sun_, waves);
+    for (int column = 0; column < v.width; ++column) {
+      float band = 0;
+      for (int w = 0; w < waves; ++w) {
+        const float radiance = f32::sky_radiance(&v, sky.values.data(), sky.limb.data(), waves, w, column, 0,
+                                                 azimuths[static_cast<std::size_t>(column)]);
+        sums.spectra[static_cast<std::size_t>(column * waves + w)] += radiance;
+        band += radiance;
+      }
+      sums.moments[static_cast<std::size_t>(2 * column)] += band;
+      sums.moments[static_cast<std::size_t>(2 * column + 1)] += band * band;
+    }
   }
 
   /// Passes of a few samples until enough, good enough or late enough. All bands take as many samples as the first.

@@ -20,8 +20,8 @@ Transfer transfer_of(const f64::RayEnd &end, double elevation_rad, double curvat
   return t;
 }
 
-std::vector<Transfer> trace_elevations(RayTracer &tracer, const IndexTable &index, double height_m,
-                                       const std::vector<double> &elevations_rad) {
+std::vector<Transfer> trace_rays(RayTracer &tracer, const IndexTable &index, double height_m,
+                                 const std::vector<double> &elevations_rad) {
   std::vector<f64::RayStart> starts;
   starts.reserve(elevations_rad.size() * index.wavelength_nm.size());
   for (double elevation : elevations_rad)
@@ -47,7 +47,16 @@ TransferTable trace_transfer(RayTracer &tracer, const IndexTable &index, double 
   table.wavelengths = index.wavelength_nm.size();
   std::vector<double> elevations(entries);
   for (std::size_t i = 0; i < entries; ++i) elevations[i] = std::clamp(table.elevation_rad(i), -pi / 2, pi / 2);
-  table.rays = trace_elevations(tracer, index, height_m, elevations);
+  table.rays = trace_rays(tracer, index, height_m, elevations);
+  return table;
+}
+
+TransferTable trace_elevations(RayTracer &tracer, const IndexTable &index, double height_m,
+                               const std::vector<double> &elevations_rad) {
+  TransferTable table;
+  table.entries = elevations_rad.size();
+  table.wavelengths = index.wavelength_nm.size();
+  table.rays = trace_rays(tracer, index, height_m, elevations_rad);
   return table;
 }
 
@@ -60,7 +69,7 @@ TransferProbes probe_between(RayTracer &tracer, const IndexTable &index, double 
     result.below.push_back(i);
     elevations.push_back(std::clamp(table.elevation_rad(i) + 0.5 * table.spacing_rad, -pi / 2, pi / 2));
   }
-  result.rays = trace_elevations(tracer, index, height_m, elevations);
+  result.rays = trace_rays(tracer, index, height_m, elevations);
   return result;
 }
 

@@ -28,6 +28,10 @@ struct TransferTable {
 TransferTable trace_transfer(RayTracer &tracer, const IndexTable &index, double height_m, double first_elevation_rad,
                              double spacing_rad, std::size_t entries);
 
+/// The same for any elevations, unevenly spaced (first_elevation_rad and spacing_rad are left 0).
+TransferTable trace_elevations(RayTracer &tracer, const IndexTable &index, double height_m,
+                               const std::vector<double> &elevations_rad);
+
 /// The entries half way between those of `table`, at most `probes` of them, evenly chosen; `below` says after which entry.
 struct TransferProbes {
   std::vector<std::size_t> below;

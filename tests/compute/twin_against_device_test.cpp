@@ -107,14 +107,13 @@ std::vector<double> scales(const typename Twin::ProbeIn &in) {
 
 TYPED_TEST(TwinAgainstDevice, EveryFunctionInEveryLaneWidth) {
   // oracle: the host twin, the same text compiled as C++
-  // tolerance: 24 ulp of what each sum is made of (the device may contract a b + c; exp and sqrt are good to 3 ulp;
-  //            a step adds some forty terms). Measured: see MEASURED
+  // tolerance: 8 ulp of what each sum is made of (the device may contract a b + c; its exp is good to 3 ulp; a step adds
+  //            some forty terms). Measured with PoCL: 2.9 in both precisions and every width
   using Twin = TypeParam;
   const double eps = std::numeric_limits<typename Twin::Scalar>::epsilon();
   const auto inputs = random_inputs<Twin>(500);
   const auto bodies = usual_absorbers<Twin>();
   for (int lanes : {1, 4, 8}) {
-    double worst = 0;
     const auto outputs = probe_functions(shared_device(lanes), inputs, bodies);
     ASSERT_EQ(outputs.size(), inputs.size());
     for (std::size_t i = 0; i < inputs.size(); ++i) {
@@ -127,20 +126,18 @@ TYPED_TEST(TwinAgainstDevice, EveryFunctionInEveryLaneWidth) {
         if (k == 10) {
           EXPECT_NEAR(got, want, 40 * eps * want + 1e-30) << "ozone, lanes " << lanes;
         }
-        worst = std::max(worst, k == 20 ? 0 : ulp);
-        EXPECT_LT(ulp, 24) << "value " << k << ", input " << i << ", lanes " << lanes;
+        EXPECT_LT(ulp, 8) << "value " << k << ", input " << i << ", lanes " << lanes;
       }
       const double sigma = static_cast<double>(outputs[i].value[20]), wanted = static_cast<double>(expected.value[20]);
       EXPECT_NEAR(sigma, wanted, 2e4 * eps * std::abs(wanted)) << i;
     }
-    std::printf("lanes %d: worst %g ulp\n", lanes, worst);
   }
 }
 
 TYPED_TEST(TwinAgainstDevice, WholeRays) {
   // oracle: the host twin, marching the same table
-  // tolerance: outcome, turning points equal; bending 1e-12 rad in double, 2e-8 rad (0.004 arcsec) in float: the two take
-  //            their steps apart by rounding
+  // tolerance: outcome, turning points equal; bending 1e-11 rad in double, 2e-8 rad (0.004 arcsec) in float, 2e-7 rad with
+  //            the paper's stepping, whose many steps each round (measured 7e-13, 6e-9, 5e-8)
   using Twin = TypeParam;
   TraceOptions options = options_for(Twin::precision);
   for (Integrator integrator : {Integrator::dormand_prince, Integrator::richardson}) {
@@ -158,8 +155,7 @@ TYPED_TEST(TwinAgainstDevice, WholeRays) {
         EXPECT_NEAR(twin[i].optical_path_m, device[i].optical_path_m, (Twin::is_double ? 1e-7 : 2e-5) * device[i].optical_path_m);
         EXPECT_NEAR(twin[i].column[0], device[i].column[0], (Twin::is_double ? 1e-7 : 2e-5) * device[i].column[0]);
       }
-      EXPECT_LT(worst, Twin::is_double ? 1e-10 : 2e-8);
-      std::printf("whole rays: worst %g rad\n", worst);
+      EXPECT_LT(worst, Twin::is_double ? 1e-11 : integrator == Integrator::richardson ? 2e-7 : 2e-8);
     };
     if constexpr (Twin::is_double) {
       if (integrator == Integrator::richardson) compare(trace_on_twin<DoublePaper>(fan().table, fan().starts, options));
@@ -180,21 +176,18 @@ TYPED_TEST(TwinAgainstDevice, LayoutsAgree) {
 
 TYPED_TEST(TwinAgainstDevice, LaneWidthsAgreeWithinRounding) {
   // oracle: one lane, no selects
-  // tolerance: the compiler may contract differently per width: bending 2e-12 rad in double, 2e-8 rad in float
+  // tolerance: the compiler may contract differently per width: bending 2e-11 rad in double, 2e-8 rad in float. Measured with
+  //            PoCL: all 257 rays the same bits, for 4 and 8 against 1
   const TraceOptions options = options_for(TypeParam::precision);
   const auto one = RayTracer(shared_device(1), fan().table, options).trace(fan().starts);
   for (int lanes : {4, 8}) {
     const auto many = RayTracer(shared_device(lanes), fan().table, options).trace(fan().starts);
     double worst = 0;
-    int same = 0, compared = 0;
     for (std::size_t i = 0; i < one.size(); ++i) {
       EXPECT_EQ(one[i].outcome, many[i].outcome) << i;
       if (one[i].outcome == f64::RAY_TRAPPED) continue;
       worst = std::max(worst, std::abs(one[i].bending_rad - many[i].bending_rad));
-      same += one[i].bending_rad == many[i].bending_rad;
-      ++compared;
     }
-    std::printf("lanes 1 against %d: %d of %d same bits, worst %g rad\n", lanes, same, compared, worst);
     EXPECT_LT(worst, TypeParam::is_double ? 2e-11 : 2e-8);
   }
 }

@@ -1,0 +1,66 @@
+#include "render/host_rays.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/launch.hpp"
+#include "render/spectrum.hpp"
+#include "support/angle.hpp"
+
+namespace greenray {
+
+f64::RayEnd trace_on_host(const IndexTable &table, std::size_t row, double height_m, double elevation_rad) {
+  std::vector<f64::IndexCell> cells;
+  for (std::size_t i = 0; i < table.cells_per_row; ++i) {
+    const IndexCellData &c = table.cell(row, i);
+    f64::IndexCell cell{};
+    std::copy(std::begin(c.gradient), std::end(c.gradient), cell.gradient);
+    std::copy(std::begin(c.density), std::end(c.density), cell.density);
+    cell.bottom_m = c.bottom_m, cell.thickness_m = c.thickness_m;
+    cell.log_index = c.log_index, cell.step_cap_m = c.step_cap_m;
+    cells.push_back(cell);
+  }
+  f64::RayStart start = launch(table, row, height_m, elevation_rad);
+  start.row = 0;
+  const f64::TraceSettings settings{1e-12, 100000, static_cast<int>(table.cells_per_row)};
+  const f64::Absorbers absorbers{table.curvature_per_m, ozone_peak_m, ozone_width_m, 1200};  // columns are not used
+  f64::March march;
+  f64::start_march(&march, cells.data(), &start, 0, 0, &settings, absorbers);
+  f64::trace(&march, cells.data(), &settings);
+  f64::RayEnd end;
+  f64::record(&march, &end, 0, 0);
+  return end;
+}
+
+std::optional<double> horizon_rad(const IndexTable &table, double height_m) {
+  const auto in_sky = [&](double e) { return trace_on_host(table, 0, height_m, e).outcome == f64::RAY_SPACE; };
+  double high = to_rad(1.0), low = -pi / 2;
+  if (!in_sky(high) || in_sky(low)) return std::nullopt;
+  // The topmost ground ray: step down from the sky in thin steps first, so that ducts below do not confuse the bisection.
+  for (double e = high; e > -pi / 2; e -= std::max(1e-5, 0.01 * std::abs(e))) {
+    if (!in_sky(e)) {
+      low = e;
+      break;
+    }
+    high = e;
+  }
+  for (int i = 0; i < 50; ++i) {
+    const double middle = 0.5 * (low + high);
+    (in_sky(middle) ? high : low) = middle;
+  }
+  return high;
+}
+
+std::optional<double> apparent_altitude_rad(const IndexTable &table, double height_m, double true_altitude_rad) {
+  double e = true_altitude_rad + from_arcsec(1500);
+  for (int i = 0; i < 60; ++i) {
+    const f64::RayEnd end = trace_on_host(table, 0, height_m, std::min(e, pi / 2));
+    if (end.outcome != f64::RAY_SPACE) return std::nullopt;
+    const double next = true_altitude_rad + end.bending_rad;
+    if (std::abs(next - e) < 1e-10) return next;
+    e = next;
+  }
+  return std::nullopt;
+}
+
+}  // namespace greenray
