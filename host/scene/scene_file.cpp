@@ -98,13 +98,14 @@ void read_sun(const TomlTable &table, SunScene &sun) {
 }
 
 void read_spectrum(const TomlTable &table, SpectrumScene &spectrum) {
+  table.read("samples", spectrum.samples, {1, 256});
   std::vector<double> range;
   if (table.read("range_nm", range, {360, 830, "nm"})) {
-    if (range.size() != 2 || !(range[0] < range[1]))
-      table.complain("range_nm", "expected [from, to] in nm, from below to");
+    const bool one = spectrum.samples == 1;  // monochromatic: from and to may be the same
+    if (range.size() != 2 || !(one ? range[0] <= range[1] : range[0] < range[1]))
+      table.complain("range_nm", "expected [from, to] in nm, from below to (or the same with samples = 1)");
     else spectrum.range_nm = {range[0], range[1]};
   }
-  table.read("samples", spectrum.samples, {1, 256});
 }
 
 void read_tracing(const TomlTable &table, TracingScene &tracing) {
