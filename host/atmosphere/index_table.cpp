@@ -10,8 +10,8 @@
 namespace greenray {
 namespace {
 
-// Four Gauss-Legendre points of [0,1]: a cubic through them has the integral of any polynomial up to degree 7, so ln n at
-// the knots, and with it every ray that crosses the cell, is right to far higher order than the cubic itself.
+// Four Gauss-Legendre points of [0,1]: a cubic through them has the integral of any polynomial up to degree 7, so ln n
+// at the knots, and with it every ray that crosses the cell, is right to far higher order than the cubic itself.
 constexpr std::array<double, 4> node{0.06943184420297371, 0.33000947820757187, 0.66999052179242813,
                                      0.93056815579702629};
 constexpr std::array<double, 10> probe{0, 0.02, 0.18, 0.25, 0.5, 0.6, 0.75, 0.85, 0.98, 1};
@@ -83,7 +83,8 @@ class Builder {
     return cubic_through(y);
   }
 
-  /// Bending [rad] that the residual causes over the longest path in the cell: sqrt(8 dz R) when it grazes, dz at least.
+  /// Bending [rad] that the residual causes over the longest path in the cell: sqrt(8 dz R) when it grazes, dz at
+  /// least.
   double residual_rad(const Knot &k) const {
     const double z0 = flattened(k.bottom_h_m), dz = flattened(k.top_h_m) - z0;
     const Cubic c = fit_gradient(k, reference_nm_);
@@ -112,11 +113,12 @@ class Builder {
     knots_.push_back(knot);
     if (knots_.size() > most_cells)
       throw InputError(medium_.place, "the profile needs more than 100000 table cells for an error of " +
-                                                  std::to_string(options_.error_arcsec) +
-                                                  " arcsec: expected a smoother profile or a larger error");
+                                          std::to_string(options_.error_arcsec) +
+                                          " arcsec: expected a smoother profile or a larger error");
   }
 
-  /// A thin layer could hide between the probes of a wide cell: halve until the cell is no wider than the gap of the hints.
+  /// A thin layer could hide between the probes of a wide cell: halve until the cell is no wider than the gap of the
+  /// hints.
   bool feature_inside(double bottom_h, double top_h) const {
     const auto &f = medium_.features_m;
     const auto first = std::lower_bound(f.begin(), f.end(), bottom_h);
@@ -150,7 +152,8 @@ class Builder {
       const Cubic g = fit_gradient(k, wavelength_nm);
       std::copy(g.begin(), g.end(), c.gradient);
       std::array<double, 4> rho{};
-      for (std::size_t i = 0; i < 4; ++i) rho[i] = medium_.density_kg_m3(geometric(c.bottom_m + c.thickness_m * node[i]));
+      for (std::size_t i = 0; i < 4; ++i)
+        rho[i] = medium_.density_kg_m3(geometric(c.bottom_m + c.thickness_m * node[i]));
       const Cubic d = cubic_through(rho);
       std::copy(d.begin(), d.end(), c.density);
     }
@@ -209,7 +212,8 @@ std::size_t IndexTable::find(double z_m) const {
 double IndexTable::log_index(std::size_t row, double z_m) const {
   const IndexCellData &c = cell(row, find(z_m));
   const double t = (z_m - c.bottom_m) / c.thickness_m;
-  return c.log_index + c.thickness_m * t * (c.gradient[0] + t * (c.gradient[1] / 2 + t * (c.gradient[2] / 3 + t * c.gradient[3] / 4)));
+  return c.log_index + c.thickness_m * t *
+                           (c.gradient[0] + t * (c.gradient[1] / 2 + t * (c.gradient[2] / 3 + t * c.gradient[3] / 4)));
 }
 
 }  // namespace greenray

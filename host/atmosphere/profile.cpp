@@ -14,9 +14,10 @@ constexpr double vapour_deficit = 1 - 18.01528 / us76::molar_mass_kg_kmol;  // 0
 void refuse_what_varies_along_the_surface(const ProfileSpec &spec) {
   for (const InversionSpec &v : spec.inversions)
     if (v.delta_T_K.varies() || v.height_m.varies() || v.diffuseness_m.varies())
-      throw InputError(v.place,
-                       "an inversion that varies along the surface (x_m) is read and checked, but cannot be traced by this "
-                       "version: give one number for delta_T_K, height_m and diffuseness_m");
+      throw InputError(
+          v.place,
+          "an inversion that varies along the surface (x_m) is read and checked, but cannot be traced by this "
+          "version: give one number for delta_T_K, height_m and diffuseness_m");
 }
 
 ProfileSpec checked(ProfileSpec spec) {
@@ -87,9 +88,9 @@ void Profile::lay_panels() {
 Dual Profile::temperature_or_throw(double height_m) const {
   const Dual t = curve_(height_m);
   if (!(t.value > 0))
-    throw InputError(spec_.place, "the temperature falls to " + std::to_string(t.value) + " K at " +
-                                      std::to_string(height_m) +
-                                      " m: expected a profile that stays above 0 K (see delta_T_K of its inversions and layers)");
+    throw InputError(spec_.place,
+                     "the temperature falls to " + std::to_string(t.value) + " K at " + std::to_string(height_m) +
+                         " m: expected a profile that stays above 0 K (see delta_T_K of its inversions and layers)");
   return t;
 }
 

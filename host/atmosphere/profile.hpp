@@ -12,7 +12,8 @@ namespace greenray {
 
 class Profile {
  public:
-  /// Integrates the pressure. Throws InputError where the air is impossible (T <= 0) or, for now, varies along the surface.
+  /// Integrates the pressure. Throws InputError where the air is impossible (T <= 0) or, for now, varies along the
+  /// surface.
   explicit Profile(ProfileSpec spec);
 
   const ProfileSpec &spec() const { return spec_; }

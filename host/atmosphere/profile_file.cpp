@@ -209,7 +209,9 @@ const std::vector<std::pair<const char *, IndexModel>> &index_model_words() {
 
 ProfileSpec parse_profile(const std::string &file, std::string_view text, const SoundingChoice &choice) {
   const std::filesystem::path path(file);
-  if (path.extension() != ".toml" && looks_like_sounding(file, text)) return read_sounding(file, text, choice);
+  const std::string kind = path.extension().string();
+  const bool table = kind == ".csv" || kind == ".txt" || kind == ".html" || kind == ".htm";  // never TOML, even when empty
+  if (table || (kind != ".toml" && looks_like_sounding(file, text))) return read_sounding(file, text, choice);
   ProfileSpec spec = read_toml(file, text);
   spec.name = path.stem().string();
   spec.place = {file, 1, 1};
@@ -248,7 +250,7 @@ ProfileSpec load_profile(const std::string &name_or_file, const std::string &rel
   const std::size_t most = asked.extension() == ".toml" ? max_toml_bytes : max_sounding_bytes;
   for (const std::filesystem::path &path : {std::filesystem::path(relative_to_folder) / asked, asked})
     if (const auto text = file_contents(path.string(), most, asked_at))
-      return parse_profile(path.string(), *text, choice);
+      return parse_profile(path.lexically_normal().string(), *text, choice);
   const std::string name = shipped_name(name_or_file);
   const std::string shipped = "profiles/" + name + ".toml";
   if (const auto text = embedded_file(shipped)) return parse_profile(shipped, *text, choice);

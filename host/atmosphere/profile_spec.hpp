@@ -53,19 +53,19 @@ struct IndexLevel {
 };
 
 struct ProfileSpec {
-  std::string name = "us76";   // shown in reports
-  bool base_is_us76 = true;    // base = "us76"; false for "none": levels or index_levels are then required
+  std::string name = "us76";  // shown in reports
+  bool base_is_us76 = true;   // base = "us76"; false for "none": levels or index_levels are then required
   IndexModel index = IndexModel::born_wolf;
   double earth_radius_m = 6371000.0;
   double surface_pressure_Pa = 101325.0;
   Interpolation interpolation = Interpolation::linear;
   double smooth_m = 0.0;
   double exaggerate = 1.0;
-  std::vector<Level> levels;               // ascending heights
+  std::vector<Level> levels;  // ascending heights
   std::vector<InversionSpec> inversions;
   std::vector<SurfaceLayerSpec> surface_layers;
-  std::vector<IndexLevel> index_levels;    // ascending heights; excludes levels, inversions and surface layers
-  std::vector<std::string> notes;          // repairs an importer made, one sentence each
+  std::vector<IndexLevel> index_levels;  // ascending heights; excludes levels, inversions and surface layers
+  std::vector<std::string> notes;        // repairs an importer made, one sentence each
   SourcePlace place;
 };
 

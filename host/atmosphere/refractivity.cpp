@@ -22,8 +22,8 @@ double ciddor_vapour_vs(double sigma2) {  // pure vapour at 20 C, 1333 Pa, eq 3
 Dual compressibility(Dual temperature_K, Dual pressure_Pa, Dual mole_fraction) {
   const Dual t = temperature_K - ice_point_K, over = pressure_Pa / temperature_K;
   const Dual x = mole_fraction;
-  const Dual first = Dual(1.58123e-6) + t * (Dual(-2.9331e-8) + t * 1.1043e-10) +
-                     x * (Dual(5.707e-6) + t * -2.051e-8) + x * x * (Dual(1.9898e-4) + t * -2.376e-6);
+  const Dual first = Dual(1.58123e-6) + t * (Dual(-2.9331e-8) + t * 1.1043e-10) + x * (Dual(5.707e-6) + t * -2.051e-8) +
+                     x * x * (Dual(1.9898e-4) + t * -2.376e-6);
   return Dual(1) - over * first + over * over * (Dual(1.83e-11) + x * x * -0.765e-8);
 }
 
@@ -51,11 +51,14 @@ Dual ciddor(double wavelength_nm, const AirState &air) {
 double reference_refractivity(IndexModel model, double wavelength_nm) {
   const double um2 = square(wavelength_nm * 1e-3), sigma2 = 1 / um2;
   switch (model) {
-    case IndexModel::born_wolf: return 28.79e-5 * (1 + 5.67e-3 / um2);
-    case IndexModel::iag1999: return 1e-6 * (287.6155 + sigma2 * (1.62887 + sigma2 * 0.01360));
+    case IndexModel::born_wolf:
+      return 28.79e-5 * (1 + 5.67e-3 / um2);
+    case IndexModel::iag1999:
+      return 1e-6 * (287.6155 + sigma2 * (1.62887 + sigma2 * 0.01360));
     case IndexModel::peck_reeder:
       return 1e-8 * (5791817.0 / (238.0183 - sigma2) + 167909.0 / (57.362 - sigma2));
-    case IndexModel::ciddor: return ciddor_dry_axs(sigma2);
+    case IndexModel::ciddor:
+      return ciddor_dry_axs(sigma2);
   }
   return 0;
 }

@@ -94,7 +94,8 @@ std::vector<Found> choose(const std::vector<Found> &all, const std::string &sele
   for (std::string word; std::getline(words, word, ',');) {
     std::vector<Found> these;
     if (word == "auto") these = choose_auto(all);
-    else std::copy_if(all.begin(), all.end(), std::back_inserter(these), [&](auto &f) { return matches(f.info, word); });
+    else
+      std::copy_if(all.begin(), all.end(), std::back_inserter(these), [&](auto &f) { return matches(f.info, word); });
     if (these.empty()) {
       std::string list;
       for (const Found &f : all) list += "\n  " + f.info.address() + "  " + f.info.name;

@@ -10,8 +10,8 @@ namespace greenray {
 
 /// What `greenray devices` prints of one device.
 struct DeviceInfo {
-  int platform = 0, index = 0;     // "platform:index"
-  int flat_index = 0;              // counted over all platforms
+  int platform = 0, index = 0;  // "platform:index"
+  int flat_index = 0;           // counted over all platforms
   std::string name, platform_name, driver, version;
   bool is_cpu = false, is_gpu = false, has_double = false, has_images = false;
   unsigned compute_units = 0;
@@ -26,12 +26,12 @@ struct LanePlan {
 };
 
 struct DeviceOptions {
-  std::string select;                          // "pocl" (default), auto, all, gpu, cpu, N, P:N, part of a name; comma list
-  std::optional<unsigned> threads;             // CPU devices: device fission into N compute units
-  std::optional<std::size_t> memory_bytes;     // --mem; default three quarters of what the device says
-  std::optional<int> lanes;                    // overrides LanePlan: 1, 4 or 8
-  std::string kernel_folder;                   // read kernels from disk instead of from the binary
-  bool show_build = false;                     // print build options and logs to stderr
+  std::string select;                       // "pocl" (default), auto, all, gpu, cpu, N, P:N, part of a name; comma list
+  std::optional<unsigned> threads;          // CPU devices: device fission into N compute units
+  std::optional<std::size_t> memory_bytes;  // --mem; default three quarters of what the device says
+  std::optional<int> lanes;                 // overrides LanePlan: 1, 4 or 8
+  std::string kernel_folder;                // read kernels from disk instead of from the binary
+  bool show_build = false;                  // print build options and logs to stderr
 };
 
 class Device {

@@ -7,7 +7,8 @@
 namespace greenray {
 
 std::string status_name(cl_int status) {
-#define NAME(code) {code, #code}
+#define NAME(code) \
+  { code, #code }
   static const std::map<cl_int, const char *> names{NAME(CL_SUCCESS),
                                                     NAME(CL_DEVICE_NOT_FOUND),
                                                     NAME(CL_DEVICE_NOT_AVAILABLE),
@@ -57,15 +58,22 @@ std::string status_name(cl_int status) {
 std::string status_remedy(cl_int status) {
   switch (status) {
     case CL_MEM_OBJECT_ALLOCATION_FAILURE:
-    case CL_OUT_OF_HOST_MEMORY: return "try a smaller --mem, --size or --spp";
-    case CL_OUT_OF_RESOURCES: return "try a smaller --mem, or another --device";
-    case CL_BUILD_PROGRAM_FAILURE: return "try --device pocl; if it fails there too, please report the log above";
+    case CL_OUT_OF_HOST_MEMORY:
+      return "try a smaller --mem, --size or --spp";
+    case CL_OUT_OF_RESOURCES:
+      return "try a smaller --mem, or another --device";
+    case CL_BUILD_PROGRAM_FAILURE:
+      return "try --device pocl; if it fails there too, please report the log above";
     case CL_DEVICE_NOT_AVAILABLE:
-    case CL_INVALID_DEVICE: return "see `greenray devices`, and try another --device";
+    case CL_INVALID_DEVICE:
+      return "see `greenray devices`, and try another --device";
     case CL_DEVICE_PARTITION_FAILED:
-    case CL_INVALID_DEVICE_PARTITION_COUNT: return "leave out --threads, or give fewer";
-    case -1001: return "install an OpenCL driver: apt-get install pocl-opencl-icd";
-    default: return "";
+    case CL_INVALID_DEVICE_PARTITION_COUNT:
+      return "leave out --threads, or give fewer";
+    case -1001:
+      return "install an OpenCL driver: apt-get install pocl-opencl-icd";
+    default:
+      return "";
   }
 }
 

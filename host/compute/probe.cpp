@@ -38,12 +38,14 @@ std::vector<Output> probe_all(Device::State &device, std::span<const Input> inpu
 }  // namespace
 
 std::vector<f32::ProbeOutput> probe_functions(const std::shared_ptr<Device> &device,
-                                              std::span<const f32::ProbeInput> inputs, const f32::Absorbers &absorbers) {
+                                              std::span<const f32::ProbeInput> inputs,
+                                              const f32::Absorbers &absorbers) {
   return probe_all<f32::ProbeInput, f32::ProbeOutput>(device->state(), inputs, absorbers, false);
 }
 
 std::vector<f64::ProbeOutput> probe_functions(const std::shared_ptr<Device> &device,
-                                              std::span<const f64::ProbeInput> inputs, const f64::Absorbers &absorbers) {
+                                              std::span<const f64::ProbeInput> inputs,
+                                              const f64::Absorbers &absorbers) {
   return probe_all<f64::ProbeInput, f64::ProbeOutput>(device->state(), inputs, absorbers, true);
 }
 
@@ -60,10 +62,14 @@ std::array<int, 8> device_layout(const std::shared_ptr<Device> &device, bool rea
 
 template <class Cell, class Start, class End, class Absorbers>
 static std::array<int, 8> layout_of() {
-  return {static_cast<int>(sizeof(Cell)),          static_cast<int>(sizeof(Start)),
-          static_cast<int>(sizeof(End)),           static_cast<int>(sizeof(Absorbers)),
-          static_cast<int>(offsetof(Cell, density)), static_cast<int>(offsetof(Start, row)),
-          static_cast<int>(offsetof(End, column)), static_cast<int>(offsetof(End, outcome))};
+  return {static_cast<int>(sizeof(Cell)),
+          static_cast<int>(sizeof(Start)),
+          static_cast<int>(sizeof(End)),
+          static_cast<int>(sizeof(Absorbers)),
+          static_cast<int>(offsetof(Cell, density)),
+          static_cast<int>(offsetof(Start, row)),
+          static_cast<int>(offsetof(End, column)),
+          static_cast<int>(offsetof(End, outcome))};
 }
 
 std::array<int, 8> host_layout(bool real_is_double) {

@@ -17,7 +17,8 @@ std::vector<f32::ProbeOutput> probe_functions(const std::shared_ptr<Device> &dev
 std::vector<f64::ProbeOutput> probe_functions(const std::shared_ptr<Device> &device,
                                               std::span<const f64::ProbeInput> inputs, const f64::Absorbers &absorbers);
 
-/// Sizes of IndexCell, RayStart, RayEnd, Absorbers and offsets of density, row, column, outcome as the device sees them.
+/// Sizes of IndexCell, RayStart, RayEnd, Absorbers and offsets of density, row, column, outcome as the device sees
+/// them.
 std::array<int, 8> device_layout(const std::shared_ptr<Device> &device, bool real_is_double);
 /// The same from the host compiler.
 std::array<int, 8> host_layout(bool real_is_double);

@@ -44,7 +44,8 @@ void append_file(std::string &out, const std::string &path, const std::string &k
 }  // namespace
 
 std::string build_options(const BuildPlan &plan) {
-  return "-cl-std=CL1.2 -DLANES=" + std::to_string(plan.lanes) + " -DREAL_IS_DOUBLE=" + (plan.real_is_double ? "1" : "0") +
+  return "-cl-std=CL1.2 -DLANES=" + std::to_string(plan.lanes) +
+         " -DREAL_IS_DOUBLE=" + (plan.real_is_double ? "1" : "0") +
          " -DTABLE_IS_IMAGE=" + (plan.table_is_image ? "1" : "0") +
          " -DINTEGRATOR_IS_RICHARDSON=" + (plan.richardson ? "1" : "0") +
          " -DWITH_COLUMNS=" + (plan.with_columns ? "1" : "0") +

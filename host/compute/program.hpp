@@ -8,18 +8,19 @@ namespace greenray {
 
 /// What is compiled in: one function decides, and --show-build prints it.
 struct BuildPlan {
-  std::string entry;                 // "trace_rays" for kernels/entry/trace_rays.cl
+  std::string entry;  // "trace_rays" for kernels/entry/trace_rays.cl
   int lanes = 1;
   bool real_is_double = false;
   bool table_is_image = false;
   bool richardson = false;
   bool with_columns = true;
-  int sky_waves = 0;                 // shade_sky: wavelengths, padded to whole groups of lanes
+  int sky_waves = 0;  // shade_sky: wavelengths, padded to whole groups of lanes
 };
 
 std::string build_options(const BuildPlan &plan);
 
-/// One text with every #include "..." replaced by the file, and #line marks, so that build logs name kernel file and line.
+/// One text with every #include "..." replaced by the file, and #line marks, so that build logs name kernel file and
+/// line.
 std::string flattened_source(const std::string &entry, const std::string &kernel_folder);
 
 /// Cached by (options, entry). Throws RunError with the build log.

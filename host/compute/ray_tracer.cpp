@@ -39,14 +39,31 @@ std::vector<Cell> cells_for_device(const IndexTable &table) {
 }
 
 f32::RayStart narrowed(const f64::RayStart &s) {
-  return {static_cast<float>(s.above_m), static_cast<float>(s.run), static_cast<float>(s.rise),
-          static_cast<float>(s.sigma_end_m), s.row, s.cell};
+  return {static_cast<float>(s.above_m),
+          static_cast<float>(s.run),
+          static_cast<float>(s.rise),
+          static_cast<float>(s.sigma_end_m),
+          s.row,
+          s.cell};
 }
 
 f64::RayEnd widened(const f32::RayEnd &e) {
-  return {e.above_m,   e.run,       e.rise,           e.sigma_m,     e.bending_rad, e.optical_path_m,
-          {e.column[0], e.column[1], e.column[2]}, e.min_z_m, e.max_z_m, e.solver_error_rad, e.bouguer_drift,
-          e.cell,      e.outcome,   e.turning_points, e.steps, e.rejected};
+  return {e.above_m,
+          e.run,
+          e.rise,
+          e.sigma_m,
+          e.bending_rad,
+          e.optical_path_m,
+          {e.column[0], e.column[1], e.column[2]},
+          e.min_z_m,
+          e.max_z_m,
+          e.solver_error_rad,
+          e.bouguer_drift,
+          e.cell,
+          e.outcome,
+          e.turning_points,
+          e.steps,
+          e.rejected};
 }
 
 cl::Image2D upload_image(Device::State &device, const IndexTable &table, const std::vector<f32::IndexCell> &cells) {
@@ -83,8 +100,8 @@ struct RayTracer::State {
         options(o),
         cells_per_row(static_cast<int>(table.cells_per_row)),
         rows(table.wavelength_nm.size()),
-        image_possible(!is_double() && device.info.has_images && table.cells_per_row * 3 <= device.info.image_width_max &&
-                       rows <= device.info.image_height_max),
+        image_possible(!is_double() && device.info.has_images &&
+                       table.cells_per_row * 3 <= device.info.image_width_max && rows <= device.info.image_height_max),
         table_memory(device, table.cells.size() * sizeof(IndexCellData), "the index table") {
     if (is_double() && !device.info.has_double)
       throw DeviceError(device.info.name + " has no double precision: try --precision float or another --device");
@@ -96,7 +113,9 @@ struct RayTracer::State {
 
   bool is_double() const { return options.precision == Precision::double_; }
   int lanes() const { return is_double() ? device.lanes.lanes_double : device.lanes.lanes_float; }
-  std::size_t local() const { return static_cast<std::size_t>(options.local_size ? options.local_size : device.lanes.local_size); }
+  std::size_t local() const {
+    return static_cast<std::size_t>(options.local_size ? options.local_size : device.lanes.local_size);
+  }
 
   void upload(const IndexTable &table) {
     try {
@@ -127,11 +146,7 @@ struct RayTracer::State {
   cl::Kernel &kernel(bool image) {
     const auto known = kernels.find(image);
     if (known != kernels.end()) return known->second;
-    BuildPlan plan{"trace_rays",
-                   lanes(),
-                   is_double(),
-                   image,
-                   options.integrator == Integrator::richardson,
+    BuildPlan plan{"trace_rays",        lanes(), is_double(), image, options.integrator == Integrator::richardson,
                    options.with_columns};
     const cl::Program program = build_program(device, plan);
     try {

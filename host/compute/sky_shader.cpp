@@ -55,7 +55,8 @@ struct SkyShader::State {
   void launch(const f32::SkyView &v) {
     try {
       kernel.setArg(4, v);
-      const std::size_t items = band_floats(v.width, v.rows, 1), global = (items + local_size - 1) / local_size * local_size;
+      const std::size_t items = band_floats(v.width, v.rows, 1),
+                        global = (items + local_size - 1) / local_size * local_size;
       device.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(global), cl::NDRange(local_size));
       device.queue.finish();
     } catch (const cl::Error &error) {

@@ -31,8 +31,8 @@ SpectralWeights spectral_weights(const std::vector<double> &wavelength_nm,
 /// Colour matching functions (xbar, ybar, zbar) at a wavelength; zero outside the table.
 Xyz colour_matching(double wavelength_nm, ColourMatching observer = ColourMatching::cie1931);
 
-/// The spectral picture in linear Rec. 709, absolute (cd/m2). Colours outside Rec. 709 have negative parts. A picture of one
-/// wavelength is grey, with the luminance of a band 1 nm wide.
+/// The spectral picture in linear Rec. 709, absolute (cd/m2). Colours outside Rec. 709 have negative parts. A picture
+/// of one wavelength is grey, with the luminance of a band 1 nm wide.
 RgbImage rgb_from_spectral(const SpectralImage &image, ColourMatching observer = ColourMatching::cie1931);
 
 /// Photopic luminance of every pixel [cd/m2].

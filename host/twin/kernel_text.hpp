@@ -1,8 +1,9 @@
 // Included once per namespace by twin.hpp: the kernel headers, then their macros taken away again. No include guard.
 #include "ray/ray.h"
+
 #include "lib/random.h"
-#include "shared/probe.h"
 #include "medium/height.h"
+#include "shared/probe.h"
 #include "shared/sky.h"
 #define SCALAR_ROOT std::sqrt
 #define SCALAR_SINE std::sin

@@ -1,5 +1,6 @@
 /* Known answers and layouts: what a device makes of single functions, structs and random numbers. */
 #include "ray/ray.h"
+
 #include "lib/random.h"
 #include "shared/probe.h"
 

@@ -19,13 +19,12 @@ __kernel void shade_sky(__global const float *table, __global const float *limb,
     float x, y;
     sample_place(&view, column, row, view.first_sample + s, &x, &y);
     const SkyDirection d = view_direction(&view, x, y);
-    const float at = clamp((d.elevation_rad - view.first_elevation_rad) * view.entries_per_rad, 0.0f,
-                           (float)(view.entries - 1));
+    const float at =
+        clamp((d.elevation_rad - view.first_elevation_rad) * view.entries_per_rad, 0.0f, (float)(view.entries - 1));
     const int entry = min((int)at, view.entries - 2);
     real band = SPREAD(0);
     for (int g = 0; g < SKY_WAVES / LANES; ++g) {
-      const real radiance =
-          sky_radiance(&view, table, limb, waves, g * LANES, entry, at - (float)entry, d.azimuth_rad);
+      const real radiance = sky_radiance(&view, table, limb, waves, g * LANES, entry, at - (float)entry, d.azimuth_rad);
       sum[g] += radiance;
       band += radiance;
     }

@@ -3,8 +3,8 @@
    Set by the build:  REAL_IS_DOUBLE 0|1   LANES 1|4|8   TABLE_IS_IMAGE 0|1
    scalar   float or double.
    real     what a work-item computes with: LANES scalars side by side (PoCL: 8 floats), or one (GPUs).
-   mask     one truth value per lane, also used for whole numbers per lane. `m ? a : b` selects lane by lane in both languages.
-   LANE(v, i), LANE_INT(m, i)   one lane of a real or of a mask. */
+   mask     one truth value per lane, also used for whole numbers per lane. `m ? a : b` selects lane by lane in both
+   languages. LANE(v, i), LANE_INT(m, i)   one lane of a real or of a mask. */
 
 #ifdef __OPENCL_C_VERSION__ /* ------------------------------------------------------------------ device */
 #define DEVICE static inline
@@ -65,9 +65,9 @@ typedef lane_int mask __attribute__((vector_size(LANES * sizeof(lane_int))));
 #define SPREAD(x) (real{} + (scalar)(x))
 #define SPREAD_INT(x) (mask{} + (lane_int)(x))
 #endif
-#define EACH_LANE(v, f)                                                                   \
-  for (int lane_ = 0; lane_ < LANES; ++lane_) reinterpret_cast<scalar *>(&(v))[lane_] = f( \
-      reinterpret_cast<scalar *>(&(v))[lane_]);
+#define EACH_LANE(v, f)                       \
+  for (int lane_ = 0; lane_ < LANES; ++lane_) \
+    reinterpret_cast<scalar *>(&(v))[lane_] = f(reinterpret_cast<scalar *>(&(v))[lane_]);
 DEVICE real root(real x) { EACH_LANE(x, std::sqrt) return x; }
 DEVICE real magnitude(real x) { EACH_LANE(x, std::fabs) return x; }
 DEVICE real exponential(real x) { EACH_LANE(x, std::exp) return x; }
@@ -91,4 +91,3 @@ DEVICE int any_lane(mask m) {
   return seen != 0;
 #endif
 }
-

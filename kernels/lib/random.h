@@ -1,6 +1,6 @@
-/* Philox 4x32-10: a counter-based generator. The same (key, counter) gives the same four words on every device, lane width,
-   work-group size and rank.
-   source: Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC11 (2011); known answers in tests. */
+/* Philox 4x32-10: a counter-based generator. The same (key, counter) gives the same four words on every device, lane
+   width, work-group size and rank. source: Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy as 1, 2, 3",
+   SC11 (2011); known answers in tests. */
 
 typedef struct RandomWords {
   unsigned int word[4];
@@ -30,4 +30,3 @@ DEVICE RandomWords philox(RandomWords counter, unsigned int key0, unsigned int k
 
 /* A word as a float in [0, 1): its top 24 bits. */
 DEVICE float unit_interval(unsigned int word) { return (float)(word >> 8) * (1.0f / 16777216.0f); }
-

@@ -9,4 +9,3 @@ DEVICE double flattened_height_m(double height_m, double curvature_per_m) {
 DEVICE double geometric_height_m(double z_m, double curvature_per_m) {
   return curvature_per_m > 0 ? expm1(z_m * curvature_per_m) / curvature_per_m : z_m;
 }
-

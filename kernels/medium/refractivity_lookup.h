@@ -1,5 +1,6 @@
 /* Reads cells of the index table, for each lane its own (row, cell), from a buffer or from a NEAREST image.
-   source: docs/method.md "The table"; G04 asks for a tabulated n, we tabulate d(ln n)/dz, which is what the ray needs. */
+   source: docs/method.md "The table"; G04 asks for a tabulated n, we tabulate d(ln n)/dz, which is what the ray needs.
+ */
 
 #if TABLE_IS_IMAGE
 #define INDEX_TABLE __read_only image2d_t
@@ -62,4 +63,3 @@ DEVICE real log_index(const CellLanes *c, real t) {
 DEVICE real air_density(const CellLanes *c, real t) {
   return c->density[0] + t * (c->density[1] + t * (c->density[2] + t * c->density[3]));
 }
-

@@ -1,6 +1,7 @@
 /* One step of Dormand & Prince 5(4), J. Comp. Appl. Math. 6 (1980) 19-26, table 2; the fifth-order result is kept.
    error: |difference of the two orders| as an angle [rad] (equation.h, direction_error).
-   differs: the first-same-as-last evaluation is not carried over, because steps end at knots where the slope may jump. */
+   differs: the first-same-as-last evaluation is not carried over, because steps end at knots where the slope may jump.
+ */
 
 CONSTANT scalar dp_a[6][6] = {
     {R(1.0 / 5), 0, 0, 0, 0, 0},
@@ -9,10 +10,11 @@ CONSTANT scalar dp_a[6][6] = {
     {R(19372.0 / 6561), R(-25360.0 / 2187), R(64448.0 / 6561), R(-212.0 / 729), 0, 0},
     {R(9017.0 / 3168), R(-355.0 / 33), R(46732.0 / 5247), R(49.0 / 176), R(-5103.0 / 18656), 0},
     {R(35.0 / 384), 0, R(500.0 / 1113), R(125.0 / 192), R(-2187.0 / 6784), R(11.0 / 84)}};
-CONSTANT scalar dp_error[7] = {R(71.0 / 57600),      0, R(-71.0 / 16695), R(71.0 / 1920),
-                               R(-17253.0 / 339200), R(22.0 / 525), R(-1.0 / 40)};
+CONSTANT scalar dp_error[7] = {R(71.0 / 57600), 0,           R(-71.0 / 16695), R(71.0 / 1920), R(-17253.0 / 339200),
+                               R(22.0 / 525),   R(-1.0 / 40)};
 
-DEVICE RayState dormand_prince_step(const Medium *m, const RayState *start, const RaySlope *first, real h, real *error) {
+DEVICE RayState dormand_prince_step(const Medium *m, const RayState *start, const RaySlope *first, real h,
+                                    real *error) {
   RaySlope k[7];
   k[0] = *first;
   for (int stage = 0; stage < 5; ++stage) {
@@ -36,4 +38,3 @@ DEVICE RayState dormand_prince_step(const Medium *m, const RayState *start, cons
   *error = direction_error(h * dz, h * drise, h * dbending, h);
   return end;
 }
-

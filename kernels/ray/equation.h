@@ -5,9 +5,10 @@
    and along the way
      surface distance = run sigma,   d(bending)/dsigma = -run g,   d(optical path)/dsigma = N^2,
      d(column)/dsigma = density (1 + h/R) N.
-   differs from G04: written for the pair (z, rise), so that nothing of size 1 or of size R is ever differenced in float,
-   no sine is needed, and Bouguer's invariant is exact by construction. z is carried as the height above the bottom of the
-   ray's cell: its rounding is that of the cell's thickness, a centimetre layer at 3 km is as sharp as one on the ground. */
+   differs from G04: written for the pair (z, rise), so that nothing of size 1 or of size R is ever differenced in
+   float, no sine is needed, and Bouguer's invariant is exact by construction. z is carried as the height above the
+   bottom of the ray's cell: its rounding is that of the cell's thickness, a centimetre layer at 3 km is as sharp as one
+   on the ground. */
 
 typedef struct RayState {
   real above_m; /* flattened height above the bottom of the cell */
@@ -67,4 +68,3 @@ DEVICE void advance(RayState *y, real h, const RaySlope *k) {
 DEVICE real direction_error(real dz_m, real drise, real dbending, real h) {
   return larger(larger(magnitude(drise), magnitude(dbending)), magnitude(dz_m) / h);
 }
-

@@ -1,9 +1,16 @@
 /* Everything the ray needs, in order; the one header that kernels and the host twin include. */
 #include "lib/language.h"
+
 #include "shared/index_table.h"
+
 #include "shared/ray.h"
+
 #include "medium/refractivity_lookup.h"
+
 #include "ray/equation.h"
+
 #include "ray/dormand_prince.h"
+
 #include "ray/richardson.h"
+
 #include "ray/trace.h"

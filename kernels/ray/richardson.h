@@ -1,9 +1,10 @@
 /* The paper's stepping: eq 3.4 discretised along the tangent, step size from Richardson extrapolation.
    A step h is made once whole and once as two halves; with a method of order 2 the halves are better by a factor 4, so
      error = |halves - whole| / 3,   result = halves + (halves - whole) / 3  (third order).
-   source: G04 section 3.4; differs: G04's text discretises with grad n at the start of the tangent (first order); we take
-   grad n half way along it, which costs one more look-up and makes the extrapolated result third order. The two results are
-   compared as changes from the start, not as places: in float the rounding of a height would drown their difference. */
+   source: G04 section 3.4; differs: G04's text discretises with grad n at the start of the tangent (first order); we
+   take grad n half way along it, which costs one more look-up and makes the extrapolated result third order. The two
+   results are compared as changes from the start, not as places: in float the rounding of a height would drown their
+   difference. */
 
 DEVICE RayState sum(const RayState *a, const RayState *b) {
   RayState y = *a;

@@ -1,8 +1,9 @@
 /* Marches a bundle of rays, one per lane, cell by cell until each has an outcome.
 
-   A step never leaves its cell: knots and kinks are step ends, so inside a step the medium is one smooth polynomial, and a
-   thin layer cannot be leapt over. The distance to the edge of the cell is solved from the ray's own Taylor series; a step
-   that lands beyond the edge by more than the landing tolerance is rejected and shortened. Turning points are step ends too. */
+   A step never leaves its cell: knots and kinks are step ends, so inside a step the medium is one smooth polynomial,
+   and a thin layer cannot be leapt over. The distance to the edge of the cell is solved from the ray's own Taylor
+   series; a step that lands beyond the edge by more than the landing tolerance is rejected and shortened. Turning
+   points are step ends too. */
 
 #if REAL_IS_DOUBLE
 #define ROUNDING R(2.3e-16)
@@ -50,7 +51,8 @@ DEVICE real potential(const Medium *m, real above_m) {
 }
 
 /* sigma to the edge ahead, or to the turning point where that comes first.
-   z(s) = z + p s + F s^2/2 + J s^3/6: the parabola solved without cancellation, then two Newton steps for the cubic term. */
+   z(s) = z + p s + F s^2/2 + J s^3/6: the parabola solved without cancellation, then two Newton steps for the cubic
+   term. */
 DEVICE real sigma_to_edge(const Medium *m, const RayState *y, const RaySlope *slope, mask rising) {
   const real distance = (rising ? m->cell.thickness_m : SPREAD(0)) - y->above_m;
   const real p = y->rise, force = slope->rise;
@@ -61,8 +63,8 @@ DEVICE real sigma_to_edge(const Medium *m, const RayState *y, const RaySlope *sl
 
   const real t = y->above_m / m->cell.thickness_m;
   const real momentum2 = slope->optical_path_m;
-  const real jerk = p * (R(2) * force * force / momentum2 +
-                         momentum2 * log_index_gradient_slope(&m->cell, t) / m->cell.thickness_m);
+  const real jerk =
+      p * (R(2) * force * force / momentum2 + momentum2 * log_index_gradient_slope(&m->cell, t) / m->cell.thickness_m);
   for (int i = 0; i < 2; ++i) {
     const real miss = distance - s * (p + s * (R(0.5) * force + s * R(1.0 / 6) * jerk));
     const real velocity = p + s * (force + s * R(0.5) * jerk);
@@ -251,4 +253,3 @@ DEVICE void record(const March *w, GLOBAL RayEnd *ends, int first, int last) {
     ends[first + i] = end;
   }
 }
-

@@ -27,17 +27,17 @@ enum RayOutcome {
 
 typedef struct RayEnd {
   scalar above_m, run, rise;
-  scalar sigma_m;           /* d(sigma) = ds/n in flattened space; surface distance = run * sigma */
-  scalar bending_rad;       /* total turning of the tangent, positive toward the surface */
-  scalar optical_path_m;    /* integral of n ds */
-  scalar column[3];         /* air [kg/m^2], ozone and aerosol [m of sea-level density: shape 1 at its peak] */
+  scalar sigma_m;        /* d(sigma) = ds/n in flattened space; surface distance = run * sigma */
+  scalar bending_rad;    /* total turning of the tangent, positive toward the surface */
+  scalar optical_path_m; /* integral of n ds */
+  scalar column[3];      /* air [kg/m^2], ozone and aerosol [m of sea-level density: shape 1 at its peak] */
   scalar min_z_m, max_z_m;
-  scalar solver_error_rad;  /* sum of the local error estimates of direction and bending */
-  scalar bouguer_drift;     /* |ln| change of n r cos e that should be 0: the run-time alarm */
+  scalar solver_error_rad; /* sum of the local error estimates of direction and bending */
+  scalar bouguer_drift;    /* |ln| change of n r cos e that should be 0: the run-time alarm */
   int cell;
   int outcome;
   int turning_points;
-  int steps;                /* accepted */
+  int steps; /* accepted */
   int rejected;
 } RayEnd;
 
@@ -47,4 +47,3 @@ typedef struct Absorbers {
   scalar ozone_peak_m, ozone_width_m;
   scalar aerosol_scale_m;
 } Absorbers;
-
