@@ -103,7 +103,7 @@ class Builder {
     const Knot knot{bottom_h, top_h};
     const bool hides_a_feature = feature_inside(bottom_h, top_h);
     const double residual = width > medium_.top_m / 15 || hides_a_feature ? 1e9 : residual_rad(knot);
-    if (residual > wanted_rad && width > 1e-6 * std::max(1.0, bottom_h)) {
+    if (residual > wanted_rad && width > 1e-7 * std::max(1.0, bottom_h)) {
       const double middle = 0.5 * (bottom_h + top_h);
       place(bottom_h, middle);
       place(middle, top_h);

@@ -9,10 +9,13 @@
 namespace greenray {
 namespace {
 
-constexpr IndexModel models[] = {IndexModel::born_wolf, IndexModel::iag1999, IndexModel::ciddor, IndexModel::peck_reeder};
+constexpr IndexModel models[] = {IndexModel::born_wolf, IndexModel::iag1999, IndexModel::ciddor,
+                                 IndexModel::peck_reeder};
 
 /// Pure saturation vapour pressure over water [Pa] as Ciddor 1996 gives it; here in the test's own words.
-double pure_saturation_Pa(double t_K) { return std::exp(1.2378847e-5 * t_K * t_K - 1.9121316e-2 * t_K + 33.93711047 - 6343.1645 / t_K); }
+double pure_saturation_Pa(double t_K) {
+  return std::exp(1.2378847e-5 * t_K * t_K - 1.9121316e-2 * t_K + 33.93711047 - 6343.1645 / t_K);
+}
 
 AirState air_at(double celsius, double pressure_Pa, double relative_humidity) {
   const double t = celsius + 273.15;
@@ -20,16 +23,17 @@ AirState air_at(double celsius, double pressure_Pa, double relative_humidity) {
 }
 
 TEST(Ciddor, PublishedValuesAt633nm) {
-  // oracle: Ciddor 1996, Appl. Opt. 35, 1566, tables 1 to 3 (rows with 450 ppm CO2): t C, P Pa, humidity (relative, or Pa of
+  // oracle: Ciddor 1996, Appl. Opt. 35, 1566, tables 1 to 3 (rows with 450 ppm CO2): t C, P Pa, humidity (relative, or
+  // Pa of
   //         vapour if above 1), (n-1) 1e8. Table 3, 40 C, 80 kPa prints 19996.5; its difference column shows 19896.5
   // tolerance: 0.4e-8: printed to 0.1e-8, and the paper's own rounding of inputs
   struct Row {
     double celsius, pressure_Pa, humidity, n_minus_1_e8;
   };
-  const Row rows[] = {{20, 80e3, 0, 21458.0},     {20, 100e3, 0, 26824.4},           {20, 120e3, 0, 32191.6},
-                      {10, 100e3, 0, 27774.7},    {30, 100e3, 0, 25937.2},           {19.173, 102993.0, 641, 27682.4},
-                      {19.188, 102918.8, 706, 27658.7}, {20, 80e3, 0.75, 21394.0},   {20, 120e3, 0.75, 32127.8},
-                      {40, 80e3, 0.75, 19896.5},  {40, 120e3, 0.75, 29941.8},        {50, 80e3, 1.0, 19058.4},
+  const Row rows[] = {{20, 80e3, 0, 21458.0},           {20, 100e3, 0, 26824.4},    {20, 120e3, 0, 32191.6},
+                      {10, 100e3, 0, 27774.7},          {30, 100e3, 0, 25937.2},    {19.173, 102993.0, 641, 27682.4},
+                      {19.188, 102918.8, 706, 27658.7}, {20, 80e3, 0.75, 21394.0},  {20, 120e3, 0.75, 32127.8},
+                      {40, 80e3, 0.75, 19896.5},        {40, 120e3, 0.75, 29941.8}, {50, 80e3, 1.0, 19058.4},
                       {50, 120e3, 1.0, 28792.4}};
   for (const Row &row : rows) {
     const double rh = row.humidity > 1 ? row.humidity / pure_saturation_Pa(row.celsius + 273.15) : row.humidity;
@@ -44,19 +48,22 @@ TEST(Ciddor, NistToolboxValues) {
   struct Row {
     double celsius, pressure_kPa, humidity, nm, n;
   };
-  const Row rows[] = {{20, 101.325, 0, 633, 1.000271800}, {20, 60, 0, 633, 1.000160924},     {20, 120, 0, 633, 1.000321916},
-                      {50, 100, 0, 633, 1.000243285},     {5, 100, 0, 633, 1.000282756},     {-40, 100, 0, 633, 1.000337580},
-                      {50, 120, 1.0, 633, 1.000287924},   {40, 120, 0.75, 633, 1.000299418}, {20, 100, 1.0, 633, 1.000267394},
-                      {40, 110, 1.0, 1700, 1.000270247},  {20, 101.325, 0, 1700, 1.000268479}, {40, 110, 1.0, 300, 1.000289000},
-                      {20, 101.325, 0, 300, 1.000286581}, {-40, 120, 0, 300, 1.000427233}};
+  const Row rows[] = {
+      {20, 101.325, 0, 633, 1.000271800}, {20, 60, 0, 633, 1.000160924},       {20, 120, 0, 633, 1.000321916},
+      {50, 100, 0, 633, 1.000243285},     {5, 100, 0, 633, 1.000282756},       {-40, 100, 0, 633, 1.000337580},
+      {50, 120, 1.0, 633, 1.000287924},   {40, 120, 0.75, 633, 1.000299418},   {20, 100, 1.0, 633, 1.000267394},
+      {40, 110, 1.0, 1700, 1.000270247},  {20, 101.325, 0, 1700, 1.000268479}, {40, 110, 1.0, 300, 1.000289000},
+      {20, 101.325, 0, 300, 1.000286581}, {-40, 120, 0, 300, 1.000427233}};
   for (const Row &row : rows) {
-    const double got = refractivity(IndexModel::ciddor, row.nm, air_at(row.celsius, 1e3 * row.pressure_kPa, row.humidity)).value;
+    const double got =
+        refractivity(IndexModel::ciddor, row.nm, air_at(row.celsius, 1e3 * row.pressure_kPa, row.humidity)).value;
     EXPECT_NEAR(1 + got, row.n, row.humidity > 0 ? 1e-8 : 1e-9) << row.celsius << " C " << row.nm << " nm";
   }
 }
 
 TEST(Iag1999, PhaseIndexGivesThePublishedGroupIndex) {
-  // oracle: IAG resolution 3 (1999): group refractivity 287.6155 + 4.88660/l^2 + 0.06800/l^4 (1e-6, 0 C, 101325 Pa) beside the
+  // oracle: IAG resolution 3 (1999): group refractivity 287.6155 + 4.88660/l^2 + 0.06800/l^4 (1e-6, 0 C, 101325 Pa)
+  // beside the
   //         phase refractivity; n_g = n - l dn/dl
   // tolerance: 1e-10: the resolution rounds its coefficients to 1e-5 (1e-11 at 1 um, 5e-11 at 0.4 um)
   for (double nm : {400.0, 550.0, 633.0, 850.0}) {
@@ -68,8 +75,8 @@ TEST(Iag1999, PhaseIndexGivesThePublishedGroupIndex) {
 }
 
 TEST(Iag1999, VapourTermAndReferenceAir) {
-  // oracle: IAG resolution 3 (1999): N = 273.15/1013.25 p/T N_ph - 11.27 e/T (hPa, K, 1e-6), here for 20 C, 1000 hPa, 15 hPa
-  // tolerance: 1e-12, rounding
+  // oracle: IAG resolution 3 (1999): N = 273.15/1013.25 p/T N_ph - 11.27 e/T (hPa, K, 1e-6), here for 20 C, 1000 hPa,
+  // 15 hPa tolerance: 1e-12, rounding
   const double n_ph = 287.6155 + 1.62887 / 0.3025 + 0.01360 / (0.3025 * 0.3025);
   const double expected = 1e-6 * (273.15 / 1013.25 * 1000 / 293.15 * n_ph - 11.27 * 15 / 293.15);
   EXPECT_NEAR(refractivity(IndexModel::iag1999, 550, {293.15, 1e5, 1500.0}).value, expected, 1e-12);
@@ -77,7 +84,8 @@ TEST(Iag1999, VapourTermAndReferenceAir) {
 }
 
 TEST(PeckReeder, LiesBesideCiddor) {
-  // oracle: Ciddor 1996 section 2: his dry air is Peck & Reeder's, moved from 300 to 450 ppm CO2 (1 + 0.534e-6 x 150) and
+  // oracle: Ciddor 1996 section 2: his dry air is Peck & Reeder's, moved from 300 to 450 ppm CO2 (1 + 0.534e-6 x 150)
+  // and
   //         to ITS-90 (a few 1e-5): they agree to 1e-8 over the visible
   // tolerance: 1.2e-8 (4e-5 of 2.8e-4)
   for (double nm : {360.0, 450.0, 550.0, 633.0, 780.0}) {
@@ -100,7 +108,8 @@ TEST(AllModels, AgreeOnOrdinaryAir) {
   // tolerance: 0.15 % (Born & Wolf's constants are good to 0.08 %)
   for (double nm : {450.0, 550.0, 650.0}) {
     const double ciddor = refractivity(IndexModel::ciddor, nm, air_at(15, 101325, 0)).value;
-    for (IndexModel model : models) EXPECT_NEAR(refractivity(model, nm, air_at(15, 101325, 0)).value / ciddor, 1, 1.5e-3);
+    for (IndexModel model : models)
+      EXPECT_NEAR(refractivity(model, nm, air_at(15, 101325, 0)).value / ciddor, 1, 1.5e-3);
   }
 }
 
@@ -133,8 +142,8 @@ TEST(AllModels, SlopeIsTheDerivativeByHeight) {
 }
 
 TEST(SaturationVapour, PublishedPressures) {
-  // oracle: steam tables: 611.2 Pa at 0 C, 2339.2 Pa at 20 C, 7384.9 Pa at 40 C; moist air enhances by about 1.004 at 1 atm
-  // tolerance: 0.1 % (Ciddor's formula is a fit), enhancement 1.0036 to 1.0049
+  // oracle: steam tables: 611.2 Pa at 0 C, 2339.2 Pa at 20 C, 7384.9 Pa at 40 C; moist air enhances by about 1.004 at 1
+  // atm tolerance: 0.1 % (Ciddor's formula is a fit), enhancement 1.0036 to 1.0049
   for (const auto &[celsius, pure_Pa] : {std::pair{0.0, 611.2}, {20.0, 2339.2}, {40.0, 7384.9}}) {
     const double t = celsius + 273.15;
     EXPECT_NEAR(pure_saturation_Pa(t), pure_Pa, 1e-3 * pure_Pa);

@@ -30,7 +30,8 @@ TEST(StandardAtmosphere, GeopotentialAndGeometricHeightAreInverse) {
   // tolerance: published to 1 m; inverse to 1e-15 relative
   EXPECT_NEAR(us76::geometric_m(11000), 11019, 0.5);
   EXPECT_NEAR(us76::geometric_m(84852), 86000, 0.5);
-  for (double h : {0.0, 1.0, 2500.0, 47000.0, 120000.0}) EXPECT_NEAR(us76::geometric_m(us76::geopotential_m(h)), h, 4e-15 * h);
+  for (double h : {0.0, 1.0, 2500.0, 47000.0, 120000.0})
+    EXPECT_NEAR(us76::geometric_m(us76::geopotential_m(h)), h, 4e-15 * h);
 }
 
 TEST(StandardAtmosphere, LapseIsTheSlopeOfTheTemperature) {

@@ -95,10 +95,11 @@ std::vector<double> scales(const typename Twin::ProbeIn &in) {
   const double momentum2 = run * run + rise * rise, force = momentum2 * (gradient + 1 / 6371000.0);
   const double index = static_cast<double>(in.cell.log_index) + 400 * gradient;
   const double grown = 2 + h * force;  // an overshooting step may leave its cell: its polynomials grow
-  std::vector<double> s{gradient, 3 * gradient, index, density, index + 0.02, rise, force, gradient, momentum2,
-                        density * 1.1, 1.1, 1.1};
+  std::vector<double> s{gradient, 3 * gradient, index,     density,       index + 0.02, rise,
+                        force,    gradient,     momentum2, density * 1.1, 1.1,          1.1};
   for (int step = 0; step < 2; ++step)
-    for (double value : {above + h * rise + h * h * force * grown, rise + h * force * grown, h * gradient * grown, h * momentum2 * 1.01})
+    for (double value : {above + h * rise + h * h * force * grown, rise + h * force * grown, h * gradient * grown,
+                         h * momentum2 * 1.01})
       s.push_back(value);
   s.push_back(1e9);  // sigma_to_edge: held against the edge below instead
   s.push_back(400);
@@ -107,7 +108,8 @@ std::vector<double> scales(const typename Twin::ProbeIn &in) {
 
 TYPED_TEST(TwinAgainstDevice, EveryFunctionInEveryLaneWidth) {
   // oracle: the host twin, the same text compiled as C++
-  // tolerance: 8 ulp of what each sum is made of (the device may contract a b + c; its exp is good to 3 ulp; a step adds
+  // tolerance: 8 ulp of what each sum is made of (the device may contract a b + c; its exp is good to 3 ulp; a step
+  // adds
   //            some forty terms). Measured with PoCL: 2.9 in both precisions and every width
   using Twin = TypeParam;
   const double eps = std::numeric_limits<typename Twin::Scalar>::epsilon();
@@ -136,7 +138,8 @@ TYPED_TEST(TwinAgainstDevice, EveryFunctionInEveryLaneWidth) {
 
 TYPED_TEST(TwinAgainstDevice, WholeRays) {
   // oracle: the host twin, marching the same table
-  // tolerance: outcome, turning points equal; bending 1e-11 rad in double, 2e-8 rad (0.004 arcsec) in float, 2e-7 rad with
+  // tolerance: outcome, turning points equal; bending 1e-11 rad in double, 2e-8 rad (0.004 arcsec) in float, 2e-7 rad
+  // with
   //            the paper's stepping, whose many steps each round (measured 7e-13, 6e-9, 5e-8)
   using Twin = TypeParam;
   TraceOptions options = options_for(Twin::precision);
@@ -152,7 +155,8 @@ TYPED_TEST(TwinAgainstDevice, WholeRays) {
         EXPECT_EQ(twin[i].turning_points, device[i].turning_points) << i;
         if (twin[i].outcome == f64::RAY_TRAPPED) continue;  // ends somewhere beyond its second turn
         worst = std::max(worst, std::abs(static_cast<double>(twin[i].bending_rad) - device[i].bending_rad));
-        EXPECT_NEAR(twin[i].optical_path_m, device[i].optical_path_m, (Twin::is_double ? 1e-7 : 2e-5) * device[i].optical_path_m);
+        EXPECT_NEAR(twin[i].optical_path_m, device[i].optical_path_m,
+                    (Twin::is_double ? 1e-7 : 2e-5) * device[i].optical_path_m);
         EXPECT_NEAR(twin[i].column[0], device[i].column[0], (Twin::is_double ? 1e-7 : 2e-5) * device[i].column[0]);
       }
       EXPECT_LT(worst, Twin::is_double ? 1e-11 : integrator == Integrator::richardson ? 2e-7 : 2e-8);
@@ -176,7 +180,8 @@ TYPED_TEST(TwinAgainstDevice, LayoutsAgree) {
 
 TYPED_TEST(TwinAgainstDevice, LaneWidthsAgreeWithinRounding) {
   // oracle: one lane, no selects
-  // tolerance: the compiler may contract differently per width: bending 2e-11 rad in double, 2e-8 rad in float. Measured with
+  // tolerance: the compiler may contract differently per width: bending 2e-11 rad in double, 2e-8 rad in float.
+  // Measured with
   //            PoCL: all 257 rays the same bits, for 4 and 8 against 1
   const TraceOptions options = options_for(TypeParam::precision);
   const auto one = RayTracer(shared_device(1), fan().table, options).trace(fan().starts);
@@ -209,7 +214,8 @@ TYPED_TEST(TwinAgainstDevice, LocalSizeAndBatchesChangeNoBit) {
     std::vector<f64::RayEnd> parts;
     const std::span<const f64::RayStart> all(fan().starts);
     for (std::size_t first = 0, size = 1; first < all.size(); first += size, size = size * 2 + 1)
-      for (const f64::RayEnd &end : tracer.trace(all.subspan(first, std::min(size, all.size() - first)))) parts.push_back(end);
+      for (const f64::RayEnd &end : tracer.trace(all.subspan(first, std::min(size, all.size() - first))))
+        parts.push_back(end);
     expect_same_bits(parts, expected);
     EXPECT_EQ(tracer.stats().rays, all.size());
   }
@@ -220,7 +226,7 @@ TYPED_TEST(TwinAgainstDevice, ASmallMemoryBudgetChangesNoBit) {
   // tolerance: exact
   const TraceOptions options = options_for(TypeParam::precision);
   const auto expected = RayTracer(shared_device(), fan().table, options).trace(fan().starts);
-  DeviceOptions small;
+  DeviceOptions small = device_options();
   small.memory_bytes = fan().table.cells.size() * sizeof(IndexCellData) + 30000;
   RayTracer tracer(open_device(small), fan().table, options);
   expect_same_bits(tracer.trace(fan().starts), expected);

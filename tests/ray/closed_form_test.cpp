@@ -1,4 +1,5 @@
-// Rays whose answer is a formula, through the index table, the launch and the device: both precisions, both integrators.
+// Rays whose answer is a formula, through the index table, the launch and the device: both precisions, both
+// integrators.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -70,11 +71,13 @@ class ClosedForm : public ::testing::Test {
 using Twins = ::testing::Types<Single, Double>;
 TYPED_TEST_SUITE(ClosedForm, Twins);
 
-// One unit of the supplied tables: large, so that a table good to 1e-7 arcsec over a hundred kilometres is possible at all.
+// One unit of the supplied tables: large, so that a table good to 1e-7 arcsec over a hundred kilometres is possible at
+// all.
 constexpr double unit_m = 1e5;
 
 TYPED_TEST(ClosedForm, SquaredIndexLinearInHeight) {
-  // oracle: supplied/analytic_linear_n2.csv, parabolas r(sigma) in three dimensions; each row is turned into the vertical
+  // oracle: supplied/analytic_linear_n2.csv, parabolas r(sigma) in three dimensions; each row is turned into the
+  // vertical
   //         plane of its gradient and ray: height along the gradient, distance across it
   // tolerance: 1e-9 (float: 2e-6) of the unit for position, direction and optical path
   const ReferenceTable rows("supplied/analytic_linear_n2.csv");
@@ -96,7 +99,8 @@ TYPED_TEST(ClosedForm, SquaredIndexLinearInHeight) {
     const f64::RayEnd end = TestFixture::trace_one(table, start);
     ASSERT_EQ(end.outcome, f64::RAY_IN_FLIGHT);
 
-    const double rose = TestFixture::z_m(table, end) / unit_m + lowest - dot(r0, up), went = end.run * end.sigma_m / unit_m;
+    const double rose = TestFixture::z_m(table, end) / unit_m + lowest - dot(r0, up),
+                 went = end.run * end.sigma_m / unit_m;
     const Vector r1 = combine(1, r0, 1, combine(rose, up, went, forward));
     const double momentum = std::hypot(end.run, end.rise);
     const Vector d1 = combine(end.rise / momentum, up, end.run / momentum, forward);
@@ -112,8 +116,9 @@ TYPED_TEST(ClosedForm, SquaredIndexLinearInHeight) {
 }
 
 TYPED_TEST(ClosedForm, LuneburgLens) {
-  // oracle: supplied/analytic_luneburg.csv, ellipses inside a sphere of n^2 = 2 - r^2; the medium here is the shell outside
-  //         an inner radius of 0.1, so rays that dive below it are skipped (counted below)
+  // oracle: supplied/analytic_luneburg.csv, ellipses inside a sphere of n^2 = 2 - r^2; the medium here is the shell
+  // outside
+  //         an inner radius of 0.1; rays that dive below it would be skipped, but none of the 24 does
   // tolerance: 1e-9 (float: 4e-6) of the unit, for radius, direction, central angle, bending and optical path
   constexpr double inner = 0.1;
   const auto refractivity = [](double h) {
@@ -156,7 +161,8 @@ TYPED_TEST(ClosedForm, LuneburgLens) {
 }
 
 TYPED_TEST(ClosedForm, ExponentialIndexTurnsEvenlyWithDistance) {
-  // oracle: n = n0 exp(-h/H), flat: from n cos e = C follows de/dx = -1/H, so e = e0 - x/H, h = h0 + H ln(cos e/cos e0),
+  // oracle: n = n0 exp(-h/H), flat: from n cos e = C follows de/dx = -1/H, so e = e0 - x/H, h = h0 + H ln(cos e/cos
+  // e0),
   //         path = C H (tan e0 - tan e): the catenary of equal strength
   // tolerance: 1e-9 (float: 2e-6), relative to H, 1 rad and the path
   constexpr double scale_m = 8000;
@@ -230,7 +236,8 @@ TYPED_TEST(ClosedForm, ConstantIndexGivesStraightLines) {
 }
 
 TYPED_TEST(ClosedForm, UniformDuctCarriesAHorizontalRayAroundTheSphere) {
-  // oracle: n proportional to 1/(R+h): the flattened index is constant, a horizontal ray stays at its height for ever and
+  // oracle: n proportional to 1/(R+h): the flattened index is constant, a horizontal ray stays at its height for ever
+  // and
   //         turns by the central angle; others keep their elevation
   // tolerance: float: rounding of 1/R + gradient (1e-7 of 1/R) drifts, over 1000 km, by 0.5 x^2/R 1e-7 = 8 mm
   constexpr double radius_m = 6371000, n0 = 1.3;

@@ -46,7 +46,8 @@ TYPED_TEST(Equation, LooksUpTheCellsPolynomials) {
 }
 
 TYPED_TEST(Equation, ForceIsTheSlopeOfHalfTheSquaredIndex) {
-  // oracle: Hamilton's equations of eq 3.4: d(rise)/dsigma = d(N^2/2)/dz at fixed energy, N^2 = exp(2 potential) scaled to
+  // oracle: Hamilton's equations of eq 3.4: d(rise)/dsigma = d(N^2/2)/dz at fixed energy, N^2 = exp(2 potential) scaled
+  // to
   //         the ray's N^2; d(z)/dsigma = rise; d(path)/dsigma = N^2; differences of the potential taken in double
   // tolerance: 20 roundings; central difference over 2 m of a cubic adds 1e-6 relative
   using Twin = TypeParam;
@@ -64,7 +65,8 @@ TYPED_TEST(Equation, ForceIsTheSlopeOfHalfTheSquaredIndex) {
   EXPECT_NEAR(slope.bending_rad, -run * (dpotential - 1 / 6371000.0), relative * 1.6e-7);
   const double path = std::exp(130 / 6371000.0) * std::sqrt(momentum2);
   EXPECT_NEAR(slope.column[0], Double::density(exact.cell, 30.0 / 400) * path, relative * 1.2);
-  EXPECT_NEAR(slope.column[1], std::exp(-0.5 * std::pow((130.0 - 22000) / 5000, 2)) * path, 50 * TestFixture::eps * 1e-3);
+  EXPECT_NEAR(slope.column[1], std::exp(-0.5 * std::pow((130.0 - 22000) / 5000, 2)) * path,
+              50 * TestFixture::eps * 1e-3);
   EXPECT_NEAR(slope.column[2], std::exp(-130.0 / 1200) * path, relative);
 }
 

@@ -62,9 +62,9 @@ double error_after(int steps, Step step) {
   Scalar error;
   for (int i = 0; i < steps; ++i) y = step(m, y, static_cast<Scalar>(sigma_end / steps), &error);
   const Exact exact = exact_end(in.run, in.rise);
-  return static_cast<double>(std::max({std::abs(y.above_m - exact.above_m) / 4, std::abs(y.rise - exact.rise),
-                                       std::abs(y.bending_rad - exact.bending_rad),
-                                       std::abs(y.optical_path_m - exact.optical_path_m) / 10}));
+  return static_cast<double>(
+      std::max({std::abs(y.above_m - exact.above_m) / 4, std::abs(y.rise - exact.rise),
+                std::abs(y.bending_rad - exact.bending_rad), std::abs(y.optical_path_m - exact.optical_path_m) / 10}));
 }
 
 /// Halves until rounding: each halving must divide the error by about 2^order. Returns the smallest error seen.

@@ -20,9 +20,10 @@ struct Air {
   const char *profile;
   double eye_m;
 };
-constexpr Air airs[] = {{"us76", 0},        {"us76", 1000},         {"thin_fermi", 9.6},  {"thin_fermi", 40},
-                        {"duct_10K", 45},   {"hot_road_thin", 1.5}, {"hot_road_thick", 0.3}, {"two_inversions", 22.5},
-                        {"linear_levels", 70}, {"cubic_levels", 100}};
+constexpr Air airs[] = {
+    {"us76", 0},           {"us76", 1000},         {"thin_fermi", 9.6},     {"thin_fermi", 40},
+    {"duct_10K", 45},      {"hot_road_thin", 1.5}, {"hot_road_thick", 0.3}, {"two_inversions", 22.5},
+    {"linear_levels", 70}, {"cubic_levels", 100}};
 constexpr double elevations_deg[] = {-0.9, -0.3, -0.1, -0.03, 0, 0.01, 0.05, 0.2, 1, 5, 30, 89};
 constexpr double distances_m[] = {1000, 20000, 100000};
 
@@ -71,7 +72,8 @@ TYPED_TEST_SUITE(Invariants, Twins);
 
 TYPED_TEST(Invariants, BouguerDriftIsSmall) {
   // oracle: Bouguer: n r cos e is constant in layers; the ray's own alarm against the table
-  // tolerance: double 1e-12; float 2.5e-7 below 2 deg, the rounding of N (measured 5e-14 and 1e-7); steep rays in float add
+  // tolerance: double 1e-12; float 2.5e-7 below 2 deg, the rounding of N (measured 5e-14 and 1e-7); steep rays in float
+  // add
   //            a rounding of rise per step, measured 2.3e-6 over up to a hundred cells
   double low = 0, steep = 0;
   TestFixture::for_each_air([&](const auto &run) {
@@ -107,7 +109,8 @@ TYPED_TEST(Invariants, BouguerHoldsAgainstTheProfileItself) {
 
 TYPED_TEST(Invariants, RaysFindTheirWayBack) {
   // oracle: a ray turned around runs the same path: it comes back to the height and elevation it left with
-  // tolerance: there and back over 100 km, double 3e-6 m and 1e-10 rad, float 0.2 m and 3e-6 rad; measured 7e-7 m and 4e-11 rad, float 0.06 m
+  // tolerance: there and back over 100 km, double 3e-6 m and 1e-10 rad, float 0.2 m and 3e-6 rad; measured 7e-7 m and
+  // 4e-11 rad, float 0.06 m
   //            and 1.4e-6 rad, both of steep rays through the hundred cells of a hot road
   double worst_m = 0, worst_rad = 0;
   int returned = 0;

@@ -10,66 +10,71 @@
 
 namespace greenray {
 
+/// GREENRAY_TEST_KERNELS names another copy of kernels/: for checks that these tests see broken physics.
+inline DeviceOptions device_options() {
+  DeviceOptions options;
+  if (const char *folder = std::getenv("GREENRAY_TEST_KERNELS")) options.kernel_folder = folder;
+  return options;
+}
+
 /// A device opened once per test program. lanes: 1, 4, 8; 0: the device's own.
 inline std::shared_ptr<Device> shared_device(int lanes = 0) {
   static std::shared_ptr<Device> opened[9];
   std::shared_ptr<Device> &device = opened[lanes];
   if (!device) {
-    DeviceOptions options;
+    DeviceOptions options = device_options();
     if (lanes) options.lanes = lanes;
-    // For checks that these tests see broken physics: another copy of kernels/.
-    if (const char *folder = std::getenv("GREENRAY_TEST_KERNELS")) options.kernel_folder = folder;
     device = open_device(options);
   }
   return device;
 }
 
-#define TWIN_TRAITS(Name, space, precision_value)                                                                   \
-  struct Name {                                                                                                     \
-    using Scalar = space::scalar;                                                                                   \
-    using Cell = space::IndexCell;                                                                                  \
-    using Lanes = space::CellLanes;                                                                                 \
-    using Start = space::RayStart;                                                                                  \
-    using End = space::RayEnd;                                                                                      \
-    using State = space::RayState;                                                                                  \
-    using Layers = space::Medium;                                                                                   \
-    using Bodies = space::Absorbers;                                                                                \
-    using ProbeIn = space::ProbeInput;                                                                              \
-    using ProbeOut = space::ProbeOutput;                                                                            \
-    static constexpr Precision precision = precision_value;                                                         \
-    static constexpr bool is_double = sizeof(Scalar) == 8;                                                          \
-    static State derivative(const Layers &m, const State &y) { return space::derivative(&m, y.above_m, y.rise); }   \
-    static State dormand_prince(const Layers &m, const State &y, Scalar h, Scalar *error) {                         \
-      const State slope = derivative(m, y);                                                                         \
-      return space::dormand_prince_step(&m, &y, &slope, h, error);                                                  \
-    }                                                                                                               \
-    static State richardson(const Layers &m, const State &y, Scalar h, Scalar *error) {                             \
-      const State slope = derivative(m, y);                                                                         \
-      return space::richardson_step(&m, &y, &slope, h, error);                                                      \
-    }                                                                                                               \
-    static Scalar to_edge(const Layers &m, const State &y, bool rising) {                                           \
-      const State slope = derivative(m, y);                                                                         \
-      return space::sigma_to_edge(&m, &y, &slope, rising);                                                          \
-    }                                                                                                               \
-    static Scalar gradient(const Lanes &c, Scalar t) { return space::log_index_gradient(&c, t); }                   \
-    static Scalar gradient_slope(const Lanes &c, Scalar t) { return space::log_index_gradient_slope(&c, t); }       \
-    static Scalar log_index(const Lanes &c, Scalar t) { return space::log_index(&c, t); }                           \
-    static Scalar density(const Lanes &c, Scalar t) { return space::air_density(&c, t); }                           \
-    static Scalar potential(const Layers &m, Scalar above_m) { return space::potential(&m, above_m); }              \
-    static ProbeOut probe(const ProbeIn &in, const Bodies &bodies) { return space::probe(&in, bodies); }            \
-    static std::vector<End> trace(std::span<const Cell> cells, std::size_t cells_per_row,                           \
+#define TWIN_TRAITS(Name, space, precision_value)                                                                     \
+  struct Name {                                                                                                       \
+    using Scalar = space::scalar;                                                                                     \
+    using Cell = space::IndexCell;                                                                                    \
+    using Lanes = space::CellLanes;                                                                                   \
+    using Start = space::RayStart;                                                                                    \
+    using End = space::RayEnd;                                                                                        \
+    using State = space::RayState;                                                                                    \
+    using Layers = space::Medium;                                                                                     \
+    using Bodies = space::Absorbers;                                                                                  \
+    using ProbeIn = space::ProbeInput;                                                                                \
+    using ProbeOut = space::ProbeOutput;                                                                              \
+    static constexpr Precision precision = precision_value;                                                           \
+    static constexpr bool is_double = sizeof(Scalar) == 8;                                                            \
+    static State derivative(const Layers &m, const State &y) { return space::derivative(&m, y.above_m, y.rise); }     \
+    static State dormand_prince(const Layers &m, const State &y, Scalar h, Scalar *error) {                           \
+      const State slope = derivative(m, y);                                                                           \
+      return space::dormand_prince_step(&m, &y, &slope, h, error);                                                    \
+    }                                                                                                                 \
+    static State richardson(const Layers &m, const State &y, Scalar h, Scalar *error) {                               \
+      const State slope = derivative(m, y);                                                                           \
+      return space::richardson_step(&m, &y, &slope, h, error);                                                        \
+    }                                                                                                                 \
+    static Scalar to_edge(const Layers &m, const State &y, bool rising) {                                             \
+      const State slope = derivative(m, y);                                                                           \
+      return space::sigma_to_edge(&m, &y, &slope, rising);                                                            \
+    }                                                                                                                 \
+    static Scalar gradient(const Lanes &c, Scalar t) { return space::log_index_gradient(&c, t); }                     \
+    static Scalar gradient_slope(const Lanes &c, Scalar t) { return space::log_index_gradient_slope(&c, t); }         \
+    static Scalar log_index(const Lanes &c, Scalar t) { return space::log_index(&c, t); }                             \
+    static Scalar density(const Lanes &c, Scalar t) { return space::air_density(&c, t); }                             \
+    static Scalar potential(const Layers &m, Scalar above_m) { return space::potential(&m, above_m); }                \
+    static ProbeOut probe(const ProbeIn &in, const Bodies &bodies) { return space::probe(&in, bodies); }              \
+    static std::vector<End> trace(std::span<const Cell> cells, std::size_t cells_per_row,                             \
                                   std::span<const Start> starts, const TraceOptions &options, const Bodies &bodies) { \
-      const space::TraceSettings settings{static_cast<Scalar>(options.tolerance_rad), options.max_steps,            \
-                                          static_cast<int>(cells_per_row)};                                         \
-      std::vector<End> ends(starts.size());                                                                         \
-      for (int i = 0; i < static_cast<int>(starts.size()); ++i) {                                                   \
-        space::March march;                                                                                         \
-        space::start_march(&march, cells.data(), starts.data(), i, i, &settings, bodies);                           \
-        space::trace(&march, cells.data(), &settings);                                                              \
-        space::record(&march, ends.data(), i, i);                                                                   \
-      }                                                                                                             \
-      return ends;                                                                                                  \
-    }                                                                                                               \
+      const space::TraceSettings settings{static_cast<Scalar>(options.tolerance_rad), options.max_steps,              \
+                                          static_cast<int>(cells_per_row)};                                           \
+      std::vector<End> ends(starts.size());                                                                           \
+      for (int i = 0; i < static_cast<int>(starts.size()); ++i) {                                                     \
+        space::March march;                                                                                           \
+        space::start_march(&march, cells.data(), starts.data(), i, i, &settings, bodies);                             \
+        space::trace(&march, cells.data(), &settings);                                                                \
+        space::record(&march, ends.data(), i, i);                                                                     \
+      }                                                                                                               \
+      return ends;                                                                                                    \
+    }                                                                                                                 \
   }
 
 TWIN_TRAITS(Single, f32, Precision::single_);
