@@ -7,13 +7,13 @@
 
 #if REAL_IS_DOUBLE
 #define ROUNDING R(2.3e-16)
-#define LANDING R(1e-8) /* of the cell's thickness */
+#define LANDING R(1e-5) /* of the cell's thickness */
 #else
 #define ROUNDING R(1.2e-7)
-#define LANDING R(1e-6)
+#define LANDING R(1e-4)
 #endif
 
-#define SMALLEST (R(1e-4) * LANDING) /* step, of the cell's step cap: taken whatever its error */
+#define SMALLEST (R(1e-6) * LANDING) /* step, of the cell's step cap: taken whatever its error */
 
 #if INTEGRATOR_IS_RICHARDSON
 #define INTEGRATOR_STEP richardson_step
@@ -111,10 +111,32 @@ DEVICE void start_march(March *w, INDEX_TABLE table, GLOBAL const RayStart *rays
   w->start_potential = potential(&w->medium, w->y.above_m);
 }
 
+/* From within the landing tolerance exactly onto the edge ahead, by the ray's parabola; returns the lanes that are there.
+   A ray that turns before the edge, however close, does not reach it: it stays in its cell. */
+DEVICE mask move_onto_edge(March *w, mask close) {
+  const CellLanes *c = &w->medium.cell;
+  const RaySlope slope = derivative(&w->medium, w->y.above_m, w->y.rise);
+  const real edge = w->heading ? c->thickness_m : SPREAD(0);
+  const real distance = edge - w->y.above_m;
+  const real speed2 = w->y.rise * w->y.rise + R(2) * slope.rise * distance;
+  const real speed = root(larger(speed2, SPREAD(0)));
+  const real denominator = w->y.rise + (w->heading ? speed : -speed);
+  const real way = R(2) * distance / (denominator != R(0) ? denominator : SPREAD(1));
+  const mask beyond = beyond_edge_m(c, w->heading, w->y.above_m) >= R(0);
+  const mask moves = close & (speed2 > R(0)) & (denominator != R(0)) & (magnitude(way) < R(0.02) * c->step_cap_m);
+  const real h = moves ? way : SPREAD(0);
+  advance(&w->y, h, &slope);
+  w->y.above_m = moves ? edge : w->y.above_m;
+  w->sigma_m += h;
+  return close & (moves | beyond);
+}
+
 /* Into the neighbouring cell, or out of the air, for lanes that stand at the edge ahead. */
 DEVICE void cross_edges(March *w, INDEX_TABLE table, const TraceSettings *settings, mask running) {
   const CellLanes *c = &w->medium.cell;
-  const mask at_edge = running & (beyond_edge_m(c, w->heading, w->y.above_m) >= -LANDING * c->thickness_m);
+  const mask close = running & (beyond_edge_m(c, w->heading, w->y.above_m) >= -LANDING * c->thickness_m);
+  if (!any_lane(close)) return;
+  const mask at_edge = move_onto_edge(w, close);
   const mask up = at_edge & w->heading, down = at_edge & !w->heading;
   const mask space = up & (w->cell == settings->cells_per_row - 1), ground = down & (w->cell == 0);
   w->outcome = space ? SPREAD_INT(RAY_SPACE) : ground ? SPREAD_INT(RAY_GROUND) : w->outcome;
@@ -184,20 +206,6 @@ DEVICE void try_step(March *w, const RaySlope *slope, const TraceSettings *setti
   w->outcome = broken ? SPREAD_INT(RAY_NOT_FINITE) : arrived ? SPREAD_INT(RAY_IN_FLIGHT) : w->outcome;
 }
 
-/* From within the landing tolerance exactly onto the ground or the top. */
-DEVICE void settle(March *w) {
-  const mask landed = (w->outcome == RAY_SPACE) | (w->outcome == RAY_GROUND);
-  const real surface = w->outcome == RAY_SPACE ? w->medium.cell.thickness_m : SPREAD(0);
-  const real back = (surface - w->y.above_m) / (w->y.rise != R(0) ? w->y.rise : SPREAD(1));
-  const real h = (landed & (magnitude(w->y.rise) > R(1e-6))) ? back : SPREAD(0);
-  const RaySlope slope = derivative(&w->medium, w->y.above_m, w->y.rise);
-  advance(&w->y, h, &slope);
-  w->sigma_m += h;
-  w->y.above_m = landed ? surface : w->y.above_m;
-  w->min_z_m = smaller(w->min_z_m, height(w));
-  w->max_z_m = larger(w->max_z_m, height(w));
-}
-
 DEVICE void trace(March *w, INDEX_TABLE table, const TraceSettings *settings) {
   for (int i = 0; i < settings->max_steps; ++i) {
     mask running = w->outcome == RAY_RUNNING;
@@ -211,7 +219,8 @@ DEVICE void trace(March *w, INDEX_TABLE table, const TraceSettings *settings) {
     try_step(w, &slope, settings, running);
   }
   w->outcome = w->outcome == RAY_RUNNING ? SPREAD_INT(RAY_LIMIT) : w->outcome;
-  settle(w);
+  w->min_z_m = smaller(w->min_z_m, height(w));
+  w->max_z_m = larger(w->max_z_m, height(w));
 }
 
 /* |ln| change of N^2 against the table's own N^2: run never changes, so this sees every error of height and rise. */
