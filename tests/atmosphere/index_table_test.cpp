@@ -138,15 +138,16 @@ TEST(IndexTable, FindsThinLayersAtAnyHeight) {
 }
 
 TEST(IndexTable, OwnsUpWhenALayerIsTooThinForIt) {
-  // oracle: cells are never thinner than a millionth of their height: a 5 mm layer at 9.9 km cannot be had; the bound
-  // says so tolerance: the bound is at least the residual seen at 200 heights, within 1.3
+  // oracle: cells are never thinner than a ten-millionth of their height: a layer of half a millimetre at 9.9 km
+  //         cannot be had; the bound says so
+  // tolerance: the bound is at least the residual seen at 200 heights, within 1.3
   ProfileSpec spec;
-  spec.inversions.push_back({1.0, 9876.5, 0.0025, {}});
+  spec.inversions.push_back({1.0, 9876.5, 0.00025, {}});
   const Profile profile(spec);
   const IndexTable table = build_index_table(profile, {550}, {});
   double worst = 0;
   for (int i = -100; i <= 100; ++i) {
-    const double h = 9876.5 + 0.00025 * i, z = f64::flattened_height_m(h, table.curvature_per_m);
+    const double h = 9876.5 + 0.000025 * i, z = f64::flattened_height_m(h, table.curvature_per_m);
     const IndexCellData &c = table.cell(0, table.find(z));
     const double path = std::max(c.thickness_m, std::sqrt(8 * c.thickness_m / table.curvature_per_m));
     const double residual = gradient_of(table, 0, z) - exact_gradient(profile, h, 550, table.curvature_per_m);

@@ -158,7 +158,7 @@ TEST_F(Failure, OutOfMemory) {
   EXPECT_EQ(result.code, 4) << result.out << result.err;
   EXPECT_TRUE(has(result.err, "needs") && has(result.err, "has") && has(result.err, "try")) << result.err;
   expect_nothing_new();
-  const Outcome table = run(render({"--mem", "1M", "-D", "observer.fov_deg=60", "-D", "spectrum.samples=64"}));
+  const Outcome table = run(render({"--mem", "1M", "-D", "observer.fov_deg=60", "-D", "spectrum.samples=16"}));
   EXPECT_EQ(table.code, 4) << table.out << table.err;
   expect_nothing_new();
 }
@@ -177,13 +177,26 @@ TEST_F(Failure, Interrupt) {
       ::kill(child, signal);
     };
     const auto begin = std::chrono::steady_clock::now();
-    const Outcome result = run_tool(render({"--size", "1600x1200", "--spp", "100000"}), how);
+    const Outcome result = run_tool(render({"--size", "800x600", "--spp", "100000"}), how);
     EXPECT_EQ(result.code, 130) << result.err;
     EXPECT_TRUE(has(result.err, "interrupted: nothing was written")) << result.err;
     EXPECT_EQ(listing(folder), before);
     EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20)) << "must stop between passes";
     fs::remove(how.output);
   }
+}
+
+// oracle: the contract: exit 130, no table.  tolerance: none
+TEST_F(Failure, InterruptOfALongTable) {
+  How how = here();
+  how.meanwhile = [](pid_t child) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+    ::kill(child, SIGINT);
+  };
+  const Outcome result = run_tool(
+      {"refraction", "us76", "--height=2", "--altitudes=0:80:2e-5", "--wavelengths=550", "-o", "new/long.csv"}, how);
+  EXPECT_EQ(result.code, 130) << result.err;
+  expect_nothing_new();
 }
 
 }  // namespace greenray::cli_tests

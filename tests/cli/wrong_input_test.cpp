@@ -187,6 +187,10 @@ std::vector<Wrong> wrong_command_lines() {
       {"DevelopOverItself", {"develop", "a.exr", "-o", "./a.exr"}, line, "./a.exr", "ends in .png"},
       {"DevelopHuman", {"develop", "a.exr", "-o", "b.png", "--observer", "human"}, line, "human", "expected camera"},
       {"DevelopExposure", {"develop", "a.exr", "-o", "b.png", "--exposure", "bright"}, line, "bright", "[EV]"},
+      {"BenchSuite", {"bench", "nosuch"}, line, "nosuch", "expected a suite"},
+      {"BenchWithoutFile", {"bench", "trace", "--json"}, line, "--json", "needs a value"},
+      {"BenchCompareOne", {"bench", "--compare", "a.json"}, line, "a.json", "expected two files"},
+      {"BenchCompareMissing", {"bench", "--compare", "a.json", "b.json"}, "a.json", "", "expected a file written by"},
   };
 }
 
