@@ -12,8 +12,9 @@ namespace greenray::cli {
 namespace {
 
 std::vector<Command> all_commands() {
-  return {render_command(), check_command(), scenes_command(),     new_command(),    profile_command(), refraction_command(),
-          trace_command(),  develop_command(), compare_command(), devices_command()};
+  return {render_command(),  check_command(),      scenes_command(), new_command(),
+          profile_command(), refraction_command(), trace_command(),  develop_command(),
+          compare_command(), devices_command(),    bench_command()};
 }
 
 std::string overview(const std::vector<Command> &commands) {
@@ -38,7 +39,8 @@ int dispatch(const std::vector<std::string> &words) {
   }
   const bool help = words[0] == "help";
   const std::string name = help ? words[1] : words[0];
-  const auto found = std::find_if(commands.begin(), commands.end(), [&](const Command &c) { return c.spec.name == name; });
+  const auto found =
+      std::find_if(commands.begin(), commands.end(), [&](const Command &c) { return c.spec.name == name; });
   if (found == commands.end()) {
     std::vector<std::string> names;
     for (const Command &c : commands) names.push_back(c.spec.name);
@@ -71,7 +73,9 @@ static void install_signal_handlers() {
 int main(int count, char **words) {
   install_signal_handlers();
   try {
-    return greenray::cli::dispatch({words + 1, words + count});
+    const int code = greenray::cli::dispatch({words + 1, words + count});
+    if (!std::cout.flush()) throw greenray::RunError("cannot write to standard output");
+    return code;
   } catch (const greenray::InputError &error) {
     std::cerr << error.what() << "\n";
     return static_cast<int>(error.exit_code());

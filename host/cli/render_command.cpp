@@ -96,16 +96,17 @@ ExrAttributes attributes_of(const Scene &scene, const RenderPlan &plan, const Re
 void print_header(const Scene &scene, const RenderPlan &plan, const Device &device) {
   const ProfileSpec &air = scene.atmosphere.profile;
   std::cout << "greenray " << version() << "   scene " << scene.name << "  \"" << scene.title << "\"\n"
-            << "device   " << device.info().address() << " " << device.info().name << " (" << device.info().driver << "), "
-            << device.info().compute_units << " units, budget " << std::fixed << std::setprecision(1)
+            << "device   " << device.info().address() << " " << device.info().name << " (" << device.info().driver
+            << "), " << device.info().compute_units << " units, budget " << std::fixed << std::setprecision(1)
             << static_cast<double>(device.budget_bytes()) / 1e9 << " GB\n"
             << "air      " << air.name;
   if (!air.inversions.empty()) std::cout << ", " << air.inversions.size() << " inversion(s)";
   if (!air.surface_layers.empty()) std::cout << ", " << air.surface_layers.size() << " surface layer(s)";
   if (!air.levels.empty()) std::cout << ", " << air.levels.size() << " levels";
-  if (air.exaggerate != 1) std::cout << ", refractivity EXAGGERATED " << std::defaultfloat << air.exaggerate << " times";
-  std::cout << "\nplan     " << plan.size[0] << "x" << plan.size[1] << ", " << plan.wavelengths_nm.size() << " wavelengths, "
-            << plan.rays << " rays into one transfer table, "
+  if (air.exaggerate != 1)
+    std::cout << ", refractivity EXAGGERATED " << std::defaultfloat << air.exaggerate << " times";
+  std::cout << "\nplan     " << plan.size[0] << "x" << plan.size[1] << ", " << plan.wavelengths_nm.size()
+            << " wavelengths, " << plan.rays << " rays into one transfer table, "
             << (plan.precision == Precision::double_ ? "double" : "float") << "\n"
             << std::flush;
 }
@@ -114,10 +115,10 @@ void print_summary(const RenderReport &r, const RenderPlan &plan, double total) 
   std::cout << std::defaultfloat << std::setprecision(4) << "compile  kernels " << r.compile_seconds << " s\n"
             << "done     " << total << " s: table " << r.build_seconds << ", rays " << r.emit_seconds << " ("
             << static_cast<double>(r.trace.rays) / std::max(r.trace.device_seconds, 1e-9) / 1e6 << " Mray/s, "
-            << static_cast<double>(r.trace.steps) / static_cast<double>(std::max<std::uint64_t>(r.trace.rays, 1)) << " steps/ray), picture "
-            << r.gather_seconds << "\n         " << r.spp << " samples a pixel, noise " << 100 * r.noise_rms
-            << " %, errors: table " << r.table_arcsec << "\", solver " << r.solver_arcsec << "\", look-up "
-            << r.lookup_arcsec << "\" (pixel " << plan.pixel_arcsec << "\")\n         rays:";
+            << static_cast<double>(r.trace.steps) / static_cast<double>(std::max<std::uint64_t>(r.trace.rays, 1))
+            << " steps/ray), picture " << r.gather_seconds << "\n         " << r.spp << " samples a pixel, noise "
+            << 100 * r.noise_rms << " %, errors: table " << r.table_arcsec << "\", solver " << r.solver_arcsec
+            << "\", look-up " << r.lookup_arcsec << "\" (pixel " << plan.pixel_arcsec << "\")\n         rays:";
   for (int i = 1; i < static_cast<int>(r.trace.outcomes.size()); ++i)
     if (r.trace.outcomes[static_cast<std::size_t>(i)] > 0)
       std::cout << " " << outcome_name(i) << " " << r.trace.outcomes[static_cast<std::size_t>(i)];
@@ -139,8 +140,9 @@ void check_writable(const fs::path &path) {
 int run(const Arguments &a) {
   const auto begin = Clock::now();
   RenderOptions options = options_from(a);
-  const Scene scene = load_scene(a.positional()[0], a.all("--set"));
+  const Scene scene = load_scene(a.positional()[0], a.all("--set"), a.positional_place(0));
   const RenderPlan plan = plan_render(scene, options);
+  require_sun_in_sky(scene, options);
   const fs::path exr = output_path(a, scene);
   const std::shared_ptr<Device> device = open_device(device_options(a));
   check_writable(exr);
@@ -149,7 +151,9 @@ int run(const Arguments &a) {
   Progress progress(quiet ? Progress::Style::quiet : json ? Progress::Style::json : Progress::Style::text);
   if (!quiet && !json) print_header(scene, plan, *device);
   for (const std::string &note : scene.notes) std::cerr << "note: " << note << "\n";
-  options.progress = [&](const std::string &phase, double fraction, double noise) { progress.show(phase, fraction, noise); };
+  options.progress = [&](const std::string &phase, double fraction, double noise) {
+    progress.show(phase, fraction, noise);
+  };
   const Rendered rendered = render(scene, plan, options, device);
   progress.end();
 
@@ -160,8 +164,8 @@ int run(const Arguments &a) {
 
   AtomicFileSet files;
   AtomicFile &picture = files.add(exr);
-  const ExrReport written = write_exr(picture, rendered.image, attributes_of(scene, plan, options, *device),
-                                      {scene.output.spectral});
+  const ExrReport written =
+      write_exr(picture, rendered.image, attributes_of(scene, plan, options, *device), {scene.output.spectral});
   if (written.not_finite_replaced > 0)
     std::cerr << "warning: " << written.not_finite_replaced << " values were not finite and are written as 0\n";
   write_png(files.add(fs::path(exr).replace_extension(".png")), camera.pixels);
@@ -181,8 +185,9 @@ int run(const Arguments &a) {
 
 int check(const Arguments &a) {
   const RenderOptions options = options_from(a);
-  const Scene scene = load_scene(a.positional()[0], a.all("--set"));
+  const Scene scene = load_scene(a.positional()[0], a.all("--set"), a.positional_place(0));
   const RenderPlan plan = plan_render(scene, options);
+  require_sun_in_sky(scene, options);
   if (a.has("--json")) {
     nlohmann::json out{{"scene", scene.name}, {"scene_hash", scene_hash(scene)}, {"plan", plan_json(plan)}};
     std::cout << out.dump(1) << "\n";
@@ -191,8 +196,8 @@ int check(const Arguments &a) {
   std::cout << "scene    " << scene.name << "  \"" << scene.title << "\"  (" << scene_hash(scene) << ")\n"
             << "picture  " << plan.size[0] << "x" << plan.size[1] << ", " << plan.pixel_arcsec << "\" a pixel, "
             << plan.wavelengths_nm.size() << " wavelengths\n"
-            << "rays     " << plan.rays << ": " << plan.entries << " elevations " << plan.spacing_arcsec << "\" apart from "
-            << plan.first_elevation_deg << " deg\n"
+            << "rays     " << plan.rays << ": " << plan.entries << " elevations " << plan.spacing_arcsec
+            << "\" apart from " << plan.first_elevation_deg << " deg\n"
             << "memory   " << plan.device_bytes / 1000000 + 1 << " MB on the device, " << plan.host_bytes / 1000000 + 1
             << " MB on the host\n";
   for (const std::string &what : plan.modelled) std::cout << "modelled " << what << "\n";
@@ -220,7 +225,8 @@ Command render_command() {
 }
 
 Command check_command() {
-  return {with_common({"check", "SCENE", "What would be modelled, what is left out and why; renders nothing.", render_flags()}),
+  return {with_common(
+              {"check", "SCENE", "What would be modelled, what is left out and why; renders nothing.", render_flags()}),
           check};
 }
 

@@ -218,6 +218,7 @@ struct RayTracer::State {
     std::vector<Start> host_starts(batch);
     std::vector<End> host_ends(batch);
     for (std::size_t first = 0; first < all.size(); first += batch) {
+      if (first > 0 && options.between_batches) options.between_batches();
       const std::size_t count = std::min(batch, all.size() - first);
       std::transform(all.begin() + static_cast<std::ptrdiff_t>(first),
                      all.begin() + static_cast<std::ptrdiff_t>(first + count), host_starts.begin(), narrow);

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -24,7 +25,8 @@ struct TraceOptions {
   int max_steps = 20000;
   f64::Absorbers absorbers{0, 22000, 5000, 1200};
   bool with_columns = true;
-  int local_size = 0;  // 0: the device's own
+  int local_size = 0;                     // 0: the device's own
+  std::function<void()> between_batches;  // may throw to stop
 };
 
 /// Outcome counts, indexed by RayOutcome; they sum to the rays launched.

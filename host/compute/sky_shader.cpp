@@ -8,7 +8,8 @@
 namespace greenray {
 namespace {
 constexpr std::size_t local_size = 16;
-}
+constexpr std::size_t largest_launch = std::size_t{1} << 20;  // pixels: a second or so, to hear an interrupt
+}  // namespace
 
 int padded_waves(const Device &device, int wavelengths) {
   const int lanes = device.lanes().lanes_float;
@@ -52,13 +53,17 @@ struct SkyShader::State {
   }
   std::size_t pixels() const { return band_floats(view.width, view.rows, 1); }
 
-  void launch(const f32::SkyView &v) {
+  void launch(const f32::SkyView &v, const std::function<void()> &between = {}) {
     try {
       kernel.setArg(4, v);
-      const std::size_t items = band_floats(v.width, v.rows, 1),
-                        global = (items + local_size - 1) / local_size * local_size;
-      device.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(global), cl::NDRange(local_size));
-      device.queue.finish();
+      const std::size_t items = band_floats(v.width, v.rows, 1);
+      for (std::size_t first = 0; first < items; first += largest_launch) {
+        if (first > 0 && between) between();
+        const std::size_t count = std::min(largest_launch, items - first);
+        const std::size_t global = (count + local_size - 1) / local_size * local_size;
+        device.queue.enqueueNDRangeKernel(kernel, cl::NDRange(first), cl::NDRange(global), cl::NDRange(local_size));
+        device.queue.finish();
+      }
     } catch (const cl::Error &error) {
       throw_failed_call(error, "kernel shade_sky", device.info.name);
     }
@@ -90,11 +95,11 @@ void SkyShader::begin(const f32::SkyView &view) {
   state_->moments.write(zeros.data(), state_->pixels() * 2);
 }
 
-void SkyShader::add_samples(int first_sample, int samples) {
+void SkyShader::add_samples(int first_sample, int samples, const std::function<void()> &between) {
   f32::SkyView view = state_->view;
   view.first_sample = first_sample;
   view.samples = samples;
-  state_->launch(view);
+  state_->launch(view, between);
 }
 
 SkyShader::Sums SkyShader::read() const {

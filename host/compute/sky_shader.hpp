@@ -1,5 +1,6 @@
 // The sky kernel: pixels of a rectilinear picture, filled by look-up in a transfer table.
 #pragma once
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -26,8 +27,9 @@ class SkyShader {
 
   /// Starts a band: view.first_row, view.rows; sums are cleared.
   void begin(const f32::SkyView &view);
-  /// Adds samples first_sample .. first_sample + samples - 1 to every pixel of the band.
-  void add_samples(int first_sample, int samples);
+  /// Adds samples first_sample .. first_sample + samples - 1 to every pixel of the band. between: called between the
+  /// launches of a large band; may throw to stop.
+  void add_samples(int first_sample, int samples, const std::function<void()> &between = {});
   struct Sums {
     std::vector<float> spectra;  // [rows][width][waves]
     std::vector<float> moments;  // [rows][width][2]: sum and sum of squares of the band mean

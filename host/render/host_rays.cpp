@@ -36,7 +36,8 @@ std::optional<double> horizon_rad(const IndexTable &table, double height_m) {
   const auto in_sky = [&](double e) { return trace_on_host(table, 0, height_m, e).outcome == f64::RAY_SPACE; };
   double high = to_rad(1.0), low = -pi / 2;
   if (!in_sky(high) || in_sky(low)) return std::nullopt;
-  // The topmost ground ray: step down from the sky in thin steps first, so that ducts below do not confuse the bisection.
+  // The topmost ground ray: step down from the sky in thin steps first, so that ducts below do not confuse the
+  // bisection.
   for (double e = high; e > -pi / 2; e -= std::max(1e-5, 0.01 * std::abs(e))) {
     if (!in_sky(e)) {
       low = e;
@@ -51,14 +52,18 @@ std::optional<double> horizon_rad(const IndexTable &table, double height_m) {
   return high;
 }
 
-std::optional<double> apparent_altitude_rad(const IndexTable &table, double height_m, double true_altitude_rad) {
-  double e = true_altitude_rad + from_arcsec(1500);
+std::optional<double> apparent_altitude_rad(const IndexTable &table, double height_m, double true_altitude_rad,
+                                            const std::optional<double> &horizon) {
+  constexpr double above_it = 1e-9;  // so that the ray misses the ground
+  const auto not_below = [&](double e) { return horizon ? std::max(e, *horizon + above_it) : e; };
+  double e = not_below(true_altitude_rad + from_arcsec(1500));
   for (int i = 0; i < 60; ++i) {
     const f64::RayEnd end = trace_on_host(table, 0, height_m, std::min(e, pi / 2));
     if (end.outcome != f64::RAY_SPACE) return std::nullopt;
     const double next = true_altitude_rad + end.bending_rad;
     if (std::abs(next - e) < 1e-10) return next;
-    e = next;
+    if (not_below(next) == e) return std::nullopt;  // the horizon itself is still too high
+    e = not_below(next);
   }
   return std::nullopt;
 }

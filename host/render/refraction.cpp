@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "render/launch.hpp"
+#include "render/renderer.hpp"
 #include "support/angle.hpp"
 
 namespace greenray {
@@ -43,6 +44,7 @@ Traced trace_with(const Setting &setting, const Profile &profile, const Refracti
   options.integrator = request.integrator;
   options.tolerance_rad = setting.step_rad;
   options.max_steps = 1000000;
+  options.between_batches = stop_if_asked;
   RayTracer tracer(device, table, options);
   Traced traced{tracer.trace(starts), table.cells_per_row, {}};
   traced.stats = tracer.stats();
@@ -136,13 +138,15 @@ std::vector<TraceRow> trace_table(const Profile &profile, const TraceRequest &re
   options.integrator = request.integrator;
   options.tolerance_rad = setting.step_rad;
   options.max_steps = 1000000;
+  options.between_batches = stop_if_asked;
   RayTracer tracer(device, table, options);
   const std::vector<f64::RayEnd> ends = tracer.trace(starts);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const f64::RayEnd &end = ends[i];
     const bool trapped = end.outcome == f64::RAY_IN_FLIGHT && end.turning_points >= 2;
     rows[i].outcome = trapped ? static_cast<int>(f64::RAY_TRAPPED) : end.outcome;
-    rows[i].height_m = f64::geometric_height_m(table.cell(0, static_cast<std::size_t>(end.cell)).bottom_m + end.above_m, table.curvature_per_m);
+    rows[i].height_m = f64::geometric_height_m(table.cell(0, static_cast<std::size_t>(end.cell)).bottom_m + end.above_m,
+                                               table.curvature_per_m);
     rows[i].elevation_deg = to_deg(std::atan2(end.rise, end.run));
     rows[i].bending_arcsec = to_arcsec(end.bending_rad);
     rows[i].optical_path_m = end.optical_path_m;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "atmosphere/diagnosis.hpp"
 #include "render/host_rays.hpp"
 #include "render/refraction.hpp"
 #include "render/sky.hpp"
@@ -17,7 +18,7 @@ double seconds_since(Clock::time_point begin) { return std::chrono::duration<dou
 
 std::atomic<bool> stop_flag{false};
 
-constexpr double reference_nm = 550;      // at which altitudes of Sun and horizon are given
+constexpr double reference_nm = 550;  // at which altitudes of Sun and horizon are given
 constexpr std::size_t lookup_probes = 64;
 
 ProfileSpec spec_for(const Scene &scene, const RenderOptions &options) {
@@ -28,17 +29,41 @@ ProfileSpec spec_for(const Scene &scene, const RenderOptions &options) {
   return spec;
 }
 
+IndexTable reference_table(const Scene &scene, const Profile &profile) {
+  return build_index_table(profile, {reference_nm},
+                           {scene.atmosphere.surface == Surface::flat, 1e-5, scene.observer.height_m});
+}
+
+/// True altitude of the point of the Sun that the scene names: given, or along the ray at 550 nm from its apparent
+/// place.
+double true_altitude_rad(const Scene &scene, const IndexTable &reference) {
+  const double given = to_rad(scene.sun.altitude_deg);
+  if (scene.sun.given != SunScene::Given::apparent_altitude) return given;
+  const f64::RayEnd end = trace_on_host(reference, 0, scene.observer.height_m, given);
+  if (end.outcome == f64::RAY_SPACE) return given - end.bending_rad;
+  const double horizon_deg = to_deg(horizon_rad(reference, scene.observer.height_m).value_or(0));
+  throw InputError(scene.sun.altitude_place, "sun.apparent_altitude_deg = " + plain_number(scene.sun.altitude_deg) +
+                                                 ": light from there comes from the " + outcome_name(end.outcome) +
+                                                 ", not from the sky; expected an altitude above the horizon (" +
+                                                 plain_number(horizon_deg) + " deg at 550 nm)");
+}
+
 class Renderer {
  public:
   Renderer(const Scene &scene, const RenderPlan &plan, const RenderOptions &options, std::shared_ptr<Device> device)
-      : scene_(scene), plan_(plan), options_(options), device_(std::move(device)), profile_(spec_for(scene, options)),
+      : scene_(scene),
+        plan_(plan),
+        options_(options),
+        device_(std::move(device)),
+        profile_(spec_for(scene, options)),
         flat_(scene.atmosphere.surface == Surface::flat) {}
 
   Rendered run() {
     const auto begin = Clock::now();
     progress("table", 0);
-    reference_ = build_index_table(profile_, {reference_nm}, {flat_, 1e-5, scene_.observer.height_m});
-    table_ = build_index_table(profile_, plan_.wavelengths_nm, {flat_, scene_.tracing.table_arcsec, scene_.observer.height_m});
+    reference_ = reference_table(scene_, profile_);
+    table_ = build_index_table(profile_, plan_.wavelengths_nm,
+                               {flat_, scene_.tracing.table_arcsec, scene_.observer.height_m});
     report_.table_cells = table_.cells_per_row;
     place_sun();
     measure_table();
@@ -52,36 +77,26 @@ class Renderer {
 
  private:
   void progress(const std::string &phase, double fraction, double noise = 0) {
-    if (stop_requested()) throw Interrupted();
+    stop_if_asked();
     if (options_.progress) options_.progress(phase, fraction, noise);
   }
 
   void place_sun() {
     const SunScene &sun = scene_.sun;
-    if (const auto horizon = horizon_rad(reference_, scene_.observer.height_m))
-      report_.horizon_altitude_deg = to_deg(*horizon);
+    const std::optional<double> horizon = horizon_rad(reference_, scene_.observer.height_m);
+    if (horizon) report_.horizon_altitude_deg = to_deg(*horizon);
     sun_.radius_rad = to_rad(sun.diameter_arcmin / 60) / 2;
     if (sun.given == SunScene::Given::nothing) return;
     sun_.shines = true;
     const double offset = sun.part == SunScene::Part::upper_limb   ? -sun_.radius_rad
                           : sun.part == SunScene::Part::lower_limb ? sun_.radius_rad
                                                                    : 0;
-    double point = to_rad(sun.altitude_deg);
-    if (sun.given == SunScene::Given::apparent_altitude) {
-      const f64::RayEnd end = trace_on_host(reference_, 0, scene_.observer.height_m, point);
-      if (end.outcome != f64::RAY_SPACE)
-        throw InputError(sun.altitude_place, "sun.apparent_altitude_deg = " + std::to_string(sun.altitude_deg) +
-                                                  ": light from there comes from the " + outcome_name(end.outcome) +
-                                                  ", not from the sky; expected an altitude above the horizon (" +
-                                                  std::to_string(report_.horizon_altitude_deg.value_or(0)) + " deg at 550 nm)");
-      point -= end.bending_rad;
-    }
-    sun_.true_altitude_rad = point + offset;
+    sun_.true_altitude_rad = true_altitude_rad(scene_, reference_) + offset;
     double azimuth = sun.azimuth_deg.value_or(scene_.observer.azimuth_deg) - scene_.observer.azimuth_deg;
     azimuth -= 360 * std::round(azimuth / 360);
     sun_.azimuth_rad = to_rad(azimuth);
     report_.sun_true_altitude_deg = to_deg(sun_.true_altitude_rad);
-    if (const auto seen = apparent_altitude_rad(reference_, scene_.observer.height_m, sun_.true_altitude_rad))
+    if (const auto seen = apparent_altitude_rad(reference_, scene_.observer.height_m, sun_.true_altitude_rad, horizon))
       report_.sun_apparent_altitude_deg = to_deg(*seen);
   }
 
@@ -102,6 +117,7 @@ class Renderer {
 
   TraceOptions trace_options() const {
     TraceOptions trace;
+    trace.between_batches = stop_if_asked;
     trace.precision = plan_.precision;
     trace.integrator = plan_.integrator;
     trace.tolerance_rad = scene_.tracing.tolerance;
@@ -121,14 +137,21 @@ class Renderer {
     report_.trace = tracer.stats();  // of the picture's own rays; those below are measurements
     probes_ = probe_between(tracer, table_, height_m, transfer_, lookup_probes);
     report_.lookup_arcsec = lookup_error_arcsec(transfer_, probes_);
-    const double sun_rad = to_rad(report_.sun_apparent_altitude_deg.value_or(
-        std::max(report_.horizon_altitude_deg.value_or(0), to_deg(sun_.true_altitude_rad))));
-    towards_sun_ = trace_transfer(tracer, table_, height_m, sun_rad + 1e-9, 0, 1).rays;
+    towards_sun_ = trace_transfer(tracer, table_, height_m, to_rad(sunlight_altitude_deg()), 0, 1).rays;
     at_10_degrees_ = trace_transfer(tracer, table_, height_m, to_rad(10), 0, 1).rays;
     report_.table_in_image = tracer.uses_image();
     report_.solver_arcsec = to_arcsec(report_.trace.solver_error_rad);
     compiled_while_tracing_ = device_->compile_seconds() - compiled_before;
     report_.emit_seconds = seconds_since(begin);
+  }
+
+  /// Where the Sun is seen; below the horizon, just above it: a few arc-seconds, for each wavelength has its own
+  /// horizon.
+  double sunlight_altitude_deg() const {
+    constexpr double clear_of_the_ground_deg = 5.0 / 3600;
+    const double seen_deg = report_.sun_apparent_altitude_deg.value_or(to_deg(sun_.true_altitude_rad));
+    if (!report_.horizon_altitude_deg) return report_.sun_apparent_altitude_deg.value_or(std::max(seen_deg, 0.0));
+    return std::max(seen_deg, *report_.horizon_altitude_deg + clear_of_the_ground_deg);
   }
 
   f32::SkyView view() const {
@@ -170,7 +193,8 @@ class Renderer {
     const std::size_t fixed = (sky.values.size() + sky.limb.size()) * sizeof(float) + device_->used_bytes();
     const std::size_t left = device_->budget_bytes() > fixed ? (device_->budget_bytes() - fixed) / 10 * 9 : 0;
     const std::size_t largest = std::min(left, device_->info().largest_buffer_bytes);
-    const int rows = static_cast<int>(std::clamp<std::size_t>(largest / row_bytes, 1, static_cast<std::size_t>(height)));
+    const int rows =
+        static_cast<int>(std::clamp<std::size_t>(largest / row_bytes, 1, static_cast<std::size_t>(height)));
     SkyShader shader(device_, sky, width, rows);
 
     size_image();
@@ -259,7 +283,7 @@ class Renderer {
     double noise = 0;
     while (samples < wanted) {
       const int pass = std::min(adaptive ? std::max(4, samples / 2) : 8, wanted - samples);
-      shader.add_samples(samples, pass);
+      shader.add_samples(samples, pass, stop_if_asked);
       samples += pass;
       if (adaptive) {
         noise = relative_noise(shader.read(), samples);
@@ -338,7 +362,8 @@ class Renderer {
       for (int x = 0; x < image_.width; ++x) {
         const f32::SkyDirection d = f32::view_direction(&v, static_cast<float>(x + plan_.crop[0]) + 0.5f,
                                                         static_cast<float>(y + plan_.crop[1]) + 0.5f);
-        const double at = (static_cast<double>(d.elevation_rad) - transfer_.first_elevation_rad) / transfer_.spacing_rad;
+        const double at =
+            (static_cast<double>(d.elevation_rad) - transfer_.first_elevation_rad) / transfer_.spacing_rad;
         const auto entry = static_cast<std::size_t>(std::clamp(std::round(at), 0.0, double(transfer_.entries - 1)));
         const Transfer &t = transfer_.at(entry, wave);
         const std::size_t i = static_cast<std::size_t>(y * image_.width + x);
@@ -368,6 +393,14 @@ class Renderer {
 
 void request_stop() { stop_flag = true; }
 bool stop_requested() { return stop_flag; }
+void stop_if_asked() {
+  if (stop_flag) throw Interrupted();
+}
+
+void require_sun_in_sky(const Scene &scene, const RenderOptions &options) {
+  if (scene.sun.given == SunScene::Given::apparent_altitude)
+    (void)true_altitude_rad(scene, reference_table(scene, Profile(spec_for(scene, options))));
+}
 
 Rendered render(const Scene &scene, const RenderPlan &plan, const RenderOptions &options,
                 const std::shared_ptr<Device> &device) {

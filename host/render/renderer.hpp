@@ -15,19 +15,19 @@ namespace greenray {
 
 struct RenderOptions {
   std::uint64_t seed = 1;
-  bool straight = false;                          // no bending, for comparison
-  bool quick = false;                             // quarter size
-  std::optional<std::array<int, 2>> size;         // overrides observer.resolution
-  std::optional<std::array<int, 4>> crop;         // x0, y0, x1, y1 in pixels, x1 and y1 excluded
+  bool straight = false;                   // no bending, for comparison
+  bool quick = false;                      // quarter size
+  std::optional<std::array<int, 2>> size;  // overrides observer.resolution
+  std::optional<std::array<int, 4>> crop;  // x0, y0, x1, y1 in pixels, x1 and y1 excluded
   SourcePlace crop_place{"command line", 1, 1};
-  std::optional<int> spp;                         // these three override tracing.quality; the first one reached stops
+  std::optional<int> spp;  // these three override tracing.quality; the first one reached stops
   std::optional<double> error_pct, minutes;
   std::function<void(const std::string &phase, double fraction, double noise)> progress;
 };
 
 /// What will be done and why; decided before anything is computed.
 struct RenderPlan {
-  std::array<int, 2> size{};                      // of the whole picture
+  std::array<int, 2> size{};  // of the whole picture
   std::array<int, 4> crop{};
   std::vector<double> wavelengths_nm;
   Precision precision = Precision::single_;
@@ -38,10 +38,14 @@ struct RenderPlan {
   std::size_t device_bytes = 0, host_bytes = 0;
   int spp = 16;
   std::optional<double> error_pct, minutes;
-  std::vector<std::string> modelled, left_out;    // each with its reason
+  std::vector<std::string> modelled, left_out;  // each with its reason
 };
 
 RenderPlan plan_render(const Scene &scene, const RenderOptions &options);
+
+/// Throws InputError when the Sun's apparent altitude is given and light from there does not come from the sky. Needs
+/// no device; `render` does the same later.
+void require_sun_in_sky(const Scene &scene, const RenderOptions &options);
 
 struct RenderReport {
   TraceStats trace;
@@ -67,5 +71,6 @@ Rendered render(const Scene &scene, const RenderPlan &plan, const RenderOptions 
 /// Set by the signal handler; looked at between batches.
 void request_stop();
 bool stop_requested();
+void stop_if_asked();  // throws Interrupted
 
 }  // namespace greenray

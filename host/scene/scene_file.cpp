@@ -222,15 +222,16 @@ std::vector<std::string> shipped_scenes() {
   return names;
 }
 
-Scene load_scene(const std::string &name_or_file, const std::vector<std::string> &overrides) {
-  const SourcePlace place{name_or_file, 1, 1};
+Scene load_scene(const std::string &name_or_file, const std::vector<std::string> &overrides,
+                 const std::optional<SourcePlace> &asked_at) {
+  const SourcePlace place = asked_at.value_or(SourcePlace{name_or_file, 1, 1});
   if (const auto text = file_contents(name_or_file, max_toml_bytes, place))
     return parse_scene(name_or_file, *text, overrides);
   const std::string shipped = "scenes/" + name_or_file + ".toml";
   if (const auto text = embedded_file(shipped)) return parse_scene(shipped, *text, overrides);
   const std::vector<std::string> names = shipped_scenes();
-  throw InputError(place, "neither a scene file nor a shipped scene" + did_you_mean(name_or_file, names) +
-                              "; shipped: " + comma_list(names));
+  throw InputError(place, "'" + name_or_file + "' is neither a scene file nor a shipped scene" +
+                              did_you_mean(name_or_file, names) + "; shipped: " + comma_list(names));
 }
 
 }  // namespace greenray

@@ -1,5 +1,6 @@
 // Scene files: TOML text (docs/file-formats.md), with -D overrides, read and checked into a Scene.
 #pragma once
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,8 +16,10 @@ namespace greenray {
 Scene parse_scene(const std::string &file, std::string_view text, const std::vector<std::string> &overrides = {});
 
 /// A scene file, or a shipped scene by its name without extension.
+/// asked_at: where the name was given; default: line 1 of the file that is missing
 /// errors: InputError when there is neither; as parse_scene otherwise
-Scene load_scene(const std::string &name_or_file, const std::vector<std::string> &overrides = {});
+Scene load_scene(const std::string &name_or_file, const std::vector<std::string> &overrides = {},
+                 const std::optional<SourcePlace> &asked_at = {});
 
 /// Names of the shipped scenes, sorted; the template of `greenray new` is not among them.
 std::vector<std::string> shipped_scenes();

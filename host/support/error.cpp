@@ -40,7 +40,7 @@ std::string did_you_mean(const std::string &word, const std::vector<std::string>
   std::string nearest;
   for (const std::string &candidate : candidates) {
     const std::size_t distance = edit_distance(word, candidate);
-    if (distance < best) best = distance, nearest = candidate;
+    if (distance < best && distance < word.size()) best = distance, nearest = candidate;
   }
   return nearest.empty() ? "" : " (did you mean '" + nearest + "'?)";
 }
