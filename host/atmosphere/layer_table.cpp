@@ -5,6 +5,7 @@
 
 #include "atmosphere/gauss_legendre.hpp"
 #include "support/angle.hpp"
+#include "twin/twin.hpp"
 
 namespace greenray {
 namespace {
@@ -40,19 +41,28 @@ std::array<double, layer_quantities> weights(const Point &p, double z_m, double 
   const double shrink = std::exp(eye_potential - p.potential);  // cos e / cos e0
   const double stretch = std::exp(z_m * curvature_per_m);
   const double ozone = (z_m - a.ozone_peak_m) / a.ozone_width_m;
-  return {-p.gradient * shrink, shrink, std::exp(p.potential), p.density * stretch,
-          std::exp(-0.5 * ozone * ozone) * stretch, std::exp(-z_m / a.aerosol_scale_m) * stretch};
+  return {-p.gradient * shrink,
+          shrink,
+          std::exp(p.potential),
+          p.density * stretch,
+          std::exp(-0.5 * ozone * ozone) * stretch,
+          std::exp(-z_m / a.aerosol_scale_m) * stretch};
 }
 
 /// One layer from near to far. Mean and tilt are the first two Legendre moments of the weights.
-LayerData weigh(const Medium &medium, double near_m, double far_m, double eye_potential, const LayerAbsorbers &absorbers) {
+LayerData weigh(const Medium &medium, double near_m, double far_m, double eye_potential,
+                const LayerAbsorbers &absorbers) {
   const IndexTable &table = medium.table();
   LayerData layer{};
   layer.far_m = far_m;
   const auto lift = [&](double z) { return -std::expm1(-2 * (medium.potential(z) - eye_potential)); };
-  const double middle = lift(0.5 * (near_m + far_m)), near_lift = lift(near_m);
+  const double near_lift = lift(near_m);
   layer.lift = lift(far_m);
-  layer.bulge = 2 * (near_lift + layer.lift) - 4 * middle;
+  const auto off_line = [&](double t) {
+    return lift(near_m + t * (far_m - near_m)) - near_lift - t * (layer.lift - near_lift);
+  };
+  layer.bulge = -4 * off_line(0.5);
+  layer.skew = 32.0 / 3 * (off_line(0.75) - off_line(0.25));
   const double low = std::min(near_m, far_m), high = std::max(near_m, far_m), thickness = high - low;
   for (double from = low; from < high;) {  // panel by panel of the table: its cubics are smooth inside a cell only
     std::size_t cell = table.find(from);
@@ -68,6 +78,7 @@ LayerData weigh(const Medium &medium, double near_m, double far_m, double eye_po
       for (std::size_t q = 0; q < w.size(); ++q) {
         layer.mean[q] += share * w[q];
         layer.tilt[q] += 12 * share * w[q] * (t - 0.5);
+        layer.bow[q] += 5 * share * w[q] * (6 * t * t - 6 * t + 1);
       }
     }
     from = to;
@@ -75,10 +86,10 @@ LayerData weigh(const Medium &medium, double near_m, double far_m, double eye_po
   return layer;
 }
 
-/// The closed form over one layer for a ray with these sines squared at its edges (a turn at the far edge: far2 = 0).
-double closed_form(const LayerData &layer, double near2, double far2, double cosine2, std::size_t q) {
-  const double a = std::sqrt(near2), b = std::sqrt(far2), r = 1 / (a + b);
-  return layer.mean[q] * r * (2 + 2.0 / 3 * cosine2 * layer.bulge * r * r) - layer.tilt[q] * (b - a) * r * r / 3;
+/// The closed form over one layer for a ray with these sines squared at its edges; cos^2 at the eye is 1.
+double closed_form(const LayerData &layer, double near2, double far2, std::size_t q) {
+  const f64::LayerFactors f = f64::layer_factors(std::sqrt(near2), std::sqrt(far2), layer.bulge, layer.skew);
+  return layer.mean[q] * f.mean + layer.tilt[q] * f.tilt + layer.bow[q] * f.bow;
 }
 
 class Placer {
@@ -96,8 +107,8 @@ class Placer {
   }
 
  private:
-  /// Largest difference between the layer and its halves over rays that are level at the lower or the upper edge (whichever
-  /// side they stay on) and at some heights beyond, where the layer is crossed steeply.
+  /// Largest difference between the layer and its halves over rays that are level at the lower or the upper edge
+  /// (whichever side they stay on) and at some heights beyond, where the layer is crossed steeply.
   double disagreement(double low, double high) const {
     const double middle = 0.5 * (low + high), reference = medium_.potential(low);
     const LayerAbsorbers none;
@@ -112,9 +123,8 @@ class Placer {
       const double sine2 = extra * spread - lowest;  // sin^2 at the lower edge: level somewhere, or steeper
       const double near2 = std::max(sine2, 0.0), mid2 = sine2 + lift_middle, far2 = sine2 + lift_high;
       if (mid2 < 0 || far2 < 0 || (near2 == 0 && mid2 == 0) || (far2 == 0 && mid2 == 0)) continue;
-      const double one = closed_form(whole, near2, far2, 1, 0);
-      LayerData beyond = second;
-      const double two = closed_form(first, near2, mid2, 1, 0) + closed_form(beyond, mid2, far2, 1, 0);
+      const double one = closed_form(whole, near2, far2, 0);
+      const double two = closed_form(first, near2, mid2, 0) + closed_form(second, mid2, far2, 0);
       worst = std::max(worst, std::abs(one - two));
     }
     return worst;

@@ -11,8 +11,8 @@ inline constexpr int layer_quantities = 6;  // LAYER_QUANTITIES of kernels/share
 
 /// As struct Layer of kernels/shared/layers.h.
 struct LayerData {
-  double lift, bulge, far_m;
-  std::array<double, layer_quantities> mean, tilt;
+  double lift, bulge, skew, far_m;
+  std::array<double, layer_quantities> mean, tilt, bow;
 };
 
 /// The layers of one wavelength on one side of the eye, from the eye outwards.
@@ -22,11 +22,11 @@ struct LayerSide {
 };
 
 struct LayerTable {
-  double eye_m = 0;                       // flattened height
+  double eye_m = 0;  // flattened height
   std::vector<double> wavelength_nm;
-  std::vector<double> index_eye;          // N at the eye, per wavelength
-  std::vector<bool> level_rises;          // does a level ray start upward?
-  std::vector<LayerSide> above, below;    // per wavelength; the same heights in all
+  std::vector<double> index_eye;        // N at the eye, per wavelength
+  std::vector<bool> level_rises;        // does a level ray start upward?
+  std::vector<LayerSide> above, below;  // per wavelength; the same heights in all
 };
 
 /// Shapes of ozone and aerosol, for their columns.
@@ -34,9 +34,9 @@ struct LayerAbsorbers {
   double ozone_peak_m = 22000, ozone_width_m = 5000, aerosol_scale_m = 1200;
 };
 
-/// Layer edges (flattened heights) for a medium: ends of the fine table's kinks, halved until each layer's closed form agrees
-/// with its two halves to error_arcsec for rays that graze its lower edge, turn in its middle, or cross it. `fine` must be a
-/// good deal more accurate than error_arcsec. eye_m becomes an edge.
+/// Layer edges (flattened heights) for a medium: ends of the fine table's kinks, halved until each layer's closed form
+/// agrees with its two halves to error_arcsec for rays that graze its lower edge, turn in its middle, or cross it.
+/// `fine` must be a good deal more accurate than error_arcsec. eye_m becomes an edge.
 std::vector<double> place_layers(const IndexTable &fine, std::size_t row, double eye_m, double error_arcsec);
 
 LayerTable build_layer_table(const IndexTable &fine, const std::vector<double> &edges_m, double eye_m,

@@ -85,6 +85,9 @@ int run(const Arguments &a) {
     std::cerr << "warning: " << table.rows_over_tolerance << " of " << table.rows.size()
               << " rows may be off by more than the tolerance (at most " << table.error_arcsec
               << " arcsec): try --precision double, or expect it near folds\n";
+  if (table.table_bound_arcsec > request.tolerance_arcsec && !a.has("--quiet"))
+    std::cerr << "warning: a layer of this air is too thin for the index table: rays that graze it may be off by "
+              << table.table_bound_arcsec << " arcsec, more than the tolerance\n";
   emit(a, format == "json" ? as_json(table, request, profile) : as_csv(table, request, profile));
   return 0;
 }

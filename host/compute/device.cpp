@@ -113,8 +113,8 @@ std::vector<Found> choose(const std::vector<Found> &all, const std::string &sele
 cl::Device partition(const Found &f, unsigned threads) {
   if (!f.info.is_cpu) throw DeviceError("--threads applies to CPU devices only, and " + f.info.name + " is none");
   if (threads == 0 || threads > f.info.compute_units)
-    throw DeviceError("--threads " + std::to_string(threads) + ": expected 1 to " +
-                      std::to_string(f.info.compute_units) + " for " + f.info.name);
+    throw InputError({"command line", 1, 1}, "--threads " + std::to_string(threads) + ": expected 1 to " +
+                                                 std::to_string(f.info.compute_units) + " for " + f.info.name);
   if (threads == f.info.compute_units) return f.device;
   const cl_device_partition_property by_counts[] = {CL_DEVICE_PARTITION_BY_COUNTS,
                                                     static_cast<cl_device_partition_property>(threads),

@@ -28,6 +28,7 @@ Setting setting_for(double tolerance_arcsec, Precision precision) {
 struct Traced {
   std::vector<f64::RayEnd> ends;
   std::size_t cells_per_row;
+  double table_bound_arcsec;
   TraceStats stats;
 };
 
@@ -46,7 +47,7 @@ Traced trace_with(const Setting &setting, const Profile &profile, const Refracti
   options.max_steps = 1000000;
   options.between_batches = stop_if_asked;
   RayTracer tracer(device, table, options);
-  Traced traced{tracer.trace(starts), table.cells_per_row, {}};
+  Traced traced{tracer.trace(starts), table.cells_per_row, table.bound_arcsec, {}};
   traced.stats = tracer.stats();
   return traced;
 }
@@ -107,6 +108,7 @@ RefractionTable refraction_table(const Profile &profile, const RefractionRequest
   const double zenith = profile.zenith_column_kg_m2(request.height_m);
   RefractionTable result;
   result.cells_per_row = kept.cells_per_row;
+  result.table_bound_arcsec = kept.table_bound_arcsec;
   result.stats = kept.stats;
   for (std::size_t i = 0; i < kept.ends.size(); ++i) {
     RefractionRow row = make_row(request, i, kept.ends[i], curvature, zenith);

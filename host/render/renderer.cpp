@@ -65,6 +65,7 @@ class Renderer {
     table_ = build_index_table(profile_, plan_.wavelengths_nm,
                                {flat_, scene_.tracing.table_arcsec, scene_.observer.height_m});
     report_.table_cells = table_.cells_per_row;
+    report_.table_bound_arcsec = table_.bound_arcsec;
     place_sun();
     measure_table();
     report_.build_seconds = seconds_since(begin);
@@ -272,14 +273,14 @@ class Renderer {
     }
   }
 
-  /// Passes of a few samples until enough, good enough or late enough. All bands take as many samples as the first.
+  /// Passes of a few samples until enough, good enough or late enough; each band decides for itself.
   void shade_band(SkyShader &shader, const f32::SkyView &v, double done_before, double share) {
     shader.begin(v);
     int samples = 0;
     SkyShader::Sums sums;
     const auto begin = Clock::now();
-    const int wanted = report_.spp > 0 ? report_.spp : plan_.spp;
-    const bool adaptive = report_.spp == 0 && (plan_.error_pct || plan_.minutes);
+    const int wanted = plan_.spp;
+    const bool adaptive = plan_.error_pct || plan_.minutes;
     double noise = 0;
     while (samples < wanted) {
       const int pass = std::min(adaptive ? std::max(4, samples / 2) : 8, wanted - samples);
@@ -292,7 +293,7 @@ class Renderer {
       }
       progress("picture", done_before + share * samples / wanted, noise);
     }
-    report_.spp = samples;
+    report_.spp = std::max(report_.spp, samples);
     keep(shader.read(), v, samples);
   }
 

@@ -51,6 +51,7 @@ struct RenderReport {
   TraceStats trace;
   bool table_in_image = false;
   std::size_t table_cells = 0;
+  double table_bound_arcsec = 0;                                  // the builder's own, worst grazing ray
   double table_arcsec = 0, solver_arcsec = 0, lookup_arcsec = 0;  // errors
   double noise_rms = 0, bias = 0;                                 // relative to the mean radiance
   int spp = 0;

@@ -61,7 +61,7 @@ nlohmann::json report_json(const Scene &scene, const RenderPlan &plan, const Ren
           {"outcomes", outcomes_json(report.trace.outcomes)},
           {"steps", {{"accepted", report.trace.steps}, {"rejected", report.trace.rejected}}},
           {"bouguer_drift", report.trace.bouguer_drift},
-          {"table", {{"cells", report.table_cells}, {"storage", report.table_in_image ? "image" : "buffer"}}},
+          {"table", {{"cells", report.table_cells}, {"bound_arcsec", report.table_bound_arcsec}, {"storage", report.table_in_image ? "image" : "buffer"}}},
           {"photons", {{"emitted", 0}, {"stored_diffuse", 0}, {"stored_caustic", 0}}},
           {"samples_per_pixel", report.spp},
           {"sun",

@@ -3,11 +3,14 @@
 
 #include "lib/random.h"
 #include "medium/height.h"
+#include "shared/layers.h"
 #include "shared/probe.h"
 #include "shared/sky.h"
 #define SCALAR_ROOT std::sqrt
 #define SCALAR_SINE std::sin
 #include "sky/sky.h"
+
+#include "ray/closed_form.h"
 
 #undef DEVICE
 #undef GLOBAL

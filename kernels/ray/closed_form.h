@@ -3,79 +3,106 @@
    Along a ray N cos(e) is constant, so with lift(z) = 1 - (N_eye/N(z))^2
      sin^2 e(z) = sin^2 e0 + cos^2 e0 lift(z),
    without cancellation however flat the ray, and every quantity of the ray is  integral of w(z) dz / sin e(z).
-   In a layer of relative height t let  sin^2 e = linear(t) - c t(1-t)  and  w = mean + tilt (t - 1/2). With a, b the sines
-   at its edges and r = 1/(a+b), to first order in c and exactly in everything else,
+   In a layer of relative height t let  sin^2 e = line(t) - c t(1-t) + d t(1-t)(t-1/2). With a, b the sines at its edges
+   and r = 1/(a+b), these integrals over 0..1 are exact: int line^(-1/2) = 2 r                     int t(1-t)
+   line^(-3/2) = 4/3 r^3          int t^2(1-t)^2 line^(-5/2) = 16/15 r^5 int (t-1/2) line^(-1/2) = -(b-a) r^2/3    int
+   (t-1/2) t(1-t) line^(-3/2) = -2/5 (b-a) r^4 int (6t^2-6t+1) line^(-1/2) = 2/5 (b-a)^2 r^3 so to second order in c and
+   first in d, a few products of r and b - a serve every quantity; one square root and one division a layer. They hold
+   for b = 0: a ray that turns inside is integrated to the root of sin^2 e. source: derived here; Auer & Standish,
+   Astron. J. 119 (2000) 2472 integrate the same quantity by quadrature. */
 
-     integral = mean (2 r + 2/3 c r^3) - tilt (b - a) r^2 / 3
+/* Factors of mean, tilt and bow of a layer. */
+typedef struct LayerFactors {
+  real mean, tilt, bow;
+} LayerFactors;
 
-   because  int lin^(-1/2) = 2 r,  int (t-1/2) lin^(-1/2) = -(b-a) r^2/3,  int t(1-t) lin^(-3/2) = 4/3 r^3.
-   This holds for b = 0 too: a ray that turns in the layer is integrated to the t where sin^2 e = 0, the root of a quadratic.
-   One square root and one division a layer serve all quantities.
-   source: derived here; Auer & Standish, Astron. J. 119 (2000) 2472 integrate the same quantity by quadrature. */
+DEVICE LayerFactors layer_factors(real near_sine, real far_sine, real c, real d) {
+  const real r = R(1) / larger(near_sine + far_sine, SPREAD(R(1e-12)));
+  const real rise = (far_sine - near_sine) * r, bulge = c * r * r, skew = d * r * r;
+  LayerFactors f;
+  f.mean = r * (R(2) + bulge * (R(2.0 / 3) + R(0.4) * bulge) + R(0.2) * skew * rise);
+  f.tilt = -r * rise * (R(1.0 / 3) + R(0.2) * bulge);
+  f.bow = R(0.4) * r * rise * rise;
+  return f;
+}
+
+/* The part 0..f of a layer that ends where sin^2 e = 0: its factors, made so that they apply to the whole layer's
+ * weights. */
+DEVICE LayerFactors turning_factors(real near2, real far2, real c, real d, real *turn) {
+  const real linear = far2 - near2 - c - R(0.5) * d, square = c + R(1.5) * d;
+  const real discriminant = linear * linear - R(4) * near2 * square;
+  real f = R(2) * near2 / larger(root(larger(discriminant, SPREAD(0))) - linear, SPREAD(R(1e-30)));
+  f = smaller(f, SPREAD(1));
+  for (int i = 0; i < 2; ++i) { /* the cubic term, by Newton */
+    const real value = near2 + f * (linear + f * (square - f * d));
+    const real slope = linear + f * (R(2) * square - R(3) * f * d);
+    const real next = f - value / (slope < R(0) ? slope : SPREAD(-1));
+    f = (slope < R(0)) & (next > R(0)) & (next < R(1)) ? next : f;
+  }
+  *turn = f;
+  const real part_d = d * f * f * f;
+  const LayerFactors part = layer_factors(root(near2), SPREAD(0), square * f * f - R(1.5) * part_d, part_d);
+  /* w(f u) in Legendre's polynomials of u, times dt = f du. */
+  const real g = f - R(1);
+  LayerFactors whole;
+  whole.mean = f * part.mean;
+  whole.tilt = f * (R(0.5) * g * part.mean + f * part.tilt);
+  whole.bow = f * ((R(2) * f * f - R(3) * f + R(1)) * part.mean + R(6) * f * g * part.tilt + f * f * part.bow);
+  return whole;
+}
 
 typedef struct LayerSums {
   real value[LAYER_QUANTITIES];
-  real turn_m;    /* flattened height where it turned */
-  real far_sine2; /* sin^2 e at the end */
+  real end_m; /* flattened height where it turned, or of the last edge */
+  real sine2; /* sin^2 e there */
   mask turned;
 } LayerSums;
 
-/* mean and tilt of the part 0..f of a layer: w(t) = mean + tilt (t - 1/2), t = f u. */
-DEVICE void add_part(LayerSums *s, const Layer *layer, real near_sine, real far_sine, real bulge, real f, mask alive) {
-  const real sum = near_sine + far_sine;
-  const real r = R(1) / larger(sum, SPREAD(R(1e-9)));
-  const real part_bulge = bulge * f * f;
-  const real for_mean = r * (R(2) + R(2.0 / 3) * part_bulge * r * r) * f;
-  const real for_tilt = R(-1.0 / 3) * (far_sine - near_sine) * r * r * f * f + for_mean * R(0.5) * (f - R(1));
+DEVICE void add_layer(LayerSums *s, GLOBAL const Layer *layer, LayerFactors f) {
   for (int q = 0; q < LAYER_QUANTITIES; ++q)
-    s->value[q] += alive ? layer->mean[q] * for_mean + layer->tilt[q] * for_tilt : SPREAD(0);
+    s->value[q] += layer->mean[q] * f.mean + layer->tilt[q] * f.tilt + layer->bow[q] * f.bow;
 }
 
 /* The layers one way from the eye, for rays that may turn in them. */
 DEVICE void sum_turning(LayerSums *s, GLOBAL const Layer *layers, int count, real sine2, real cosine2) {
-  real near_sine2 = sine2;
-  mask alive = SPREAD(0) == SPREAD(0);
-  s->turned = sine2 < R(0); /* none */
+  mask alive = sine2 >= R(0);
+  real near2 = sine2;
   for (int k = 0; k < count && any_lane(alive); ++k) {
-    const Layer layer = layers[k];
-    const real far_sine2 = sine2 + cosine2 * layer.lift;
-    const real bulge = cosine2 * layer.bulge;
-    /* near2 + B t + c t^2 = 0, B = far2 - near2 - c: the smaller root, without cancellation. A bulge can also dip below
-       zero inside while the far edge is positive: then the root counts as well. */
-    const real slope = far_sine2 - near_sine2 - bulge;
-    const real discriminant = slope * slope - R(4) * near_sine2 * bulge;
-    const mask dips = (far_sine2 > R(0)) & (bulge > R(0)) & (slope < R(0)) & (discriminant > R(0)) &
-                      (slope + R(2) * bulge > R(0));
-    const mask turns = alive & ((far_sine2 <= R(0)) | dips);
-    const real divisor = larger(root(larger(discriminant, SPREAD(0))) - slope, SPREAD(R(1e-30)));
-    const real at = smaller(R(2) * near_sine2 / divisor, SPREAD(1));
-    const real f = turns ? at : SPREAD(1);
-    const real far_sine = turns ? SPREAD(0) : root(larger(far_sine2, SPREAD(0)));
-    add_part(s, &layer, root(near_sine2), far_sine, bulge, f, alive);
-    const real near_m = k > 0 ? SPREAD(layers[k - 1].far_m) : s->turn_m;
-    s->turn_m = turns ? near_m + f * (layer.far_m - near_m) : (alive ? SPREAD(layer.far_m) : s->turn_m);
+    GLOBAL const Layer *layer = layers + k;
+    const real far2 = sine2 + cosine2 * layer->lift;
+    const mask turns = alive & (far2 <= R(0));
+    const real near_sine = root(larger(near2, SPREAD(0)));
+    LayerFactors f =
+        layer_factors(near_sine, root(larger(far2, SPREAD(0))), cosine2 * layer->bulge, cosine2 * layer->skew);
+    if (any_lane(turns)) {
+      real turn;
+      const LayerFactors t = turning_factors(near2, far2, cosine2 * layer->bulge, cosine2 * layer->skew, &turn);
+      f.mean = turns ? t.mean : f.mean;
+      f.tilt = turns ? t.tilt : f.tilt;
+      f.bow = turns ? t.bow : f.bow;
+      s->end_m = turns ? s->end_m + turn * (layer->far_m - s->end_m) : s->end_m;
+    }
+    f.mean = alive ? f.mean : SPREAD(0);
+    f.tilt = alive ? f.tilt : SPREAD(0);
+    f.bow = alive ? f.bow : SPREAD(0);
+    add_layer(s, layer, f);
     s->turned = s->turned | turns;
     alive = alive & !turns;
-    near_sine2 = alive ? far_sine2 : SPREAD(R(1));
+    s->end_m = alive ? SPREAD(layer->far_m) : s->end_m;
+    near2 = alive ? far2 : SPREAD(1);
+    s->sine2 = alive ? far2 : SPREAD(0);
   }
-  s->far_sine2 = near_sine2;
 }
 
 /* The same for rays too steep to turn: the hot loop. */
 DEVICE void sum_straight(LayerSums *s, GLOBAL const Layer *layers, int count, real sine2, real cosine2) {
   real near_sine = root(sine2);
-  real far_sine2 = sine2;
   for (int k = 0; k < count; ++k) {
     GLOBAL const Layer *layer = layers + k;
-    far_sine2 = sine2 + cosine2 * layer->lift;
-    const real far_sine = root(far_sine2);
-    const real r = R(1) / (near_sine + far_sine);
-    const real for_mean = r * (R(2) + R(2.0 / 3) * cosine2 * layer->bulge * r * r);
-    const real for_tilt = R(-1.0 / 3) * (far_sine - near_sine) * r * r;
-    for (int q = 0; q < CLOSED_FORM_QUANTITIES; ++q)
-      s->value[q] += layer->mean[q] * for_mean + layer->tilt[q] * for_tilt;
+    s->sine2 = sine2 + cosine2 * layer->lift;
+    const real far_sine = root(s->sine2);
+    add_layer(s, layer, layer_factors(near_sine, far_sine, cosine2 * layer->bulge, cosine2 * layer->skew));
     near_sine = far_sine;
   }
-  s->turned = sine2 < R(0);
-  s->far_sine2 = far_sine2;
+  s->end_m = count > 0 ? SPREAD(layers[count - 1].far_m) : s->end_m;
 }
