@@ -20,7 +20,7 @@ RefractionRequest request_from(const Arguments &a) {
   request.wavelengths_nm = a.list("--wavelengths", 200, 2000, "nm");
   request.precision = precision_of(a, Precision::double_);
   const std::string method = a.choice("--method", methods, "auto");
-  if (method == "cells") a.fail("--method", "closed-form cells are not built yet in this version: expected auto | rk | richardson");
+  request.closed_form = method == "cells";
   request.integrator = method == "richardson" ? Integrator::richardson : Integrator::dormand_prince;
   const bool single = request.precision == Precision::single_;
   request.tolerance_arcsec =

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "atmosphere/layer_table.hpp"
+#include "compute/layer_tracer.hpp"
 #include "render/launch.hpp"
 #include "render/renderer.hpp"
 #include "support/angle.hpp"
@@ -32,8 +34,23 @@ struct Traced {
   TraceStats stats;
 };
 
+Traced trace_layers_with(const Setting &setting, const Profile &profile, const RefractionRequest &request,
+                         const std::shared_ptr<Device> &device) {
+  const double fine_arcsec = std::max(setting.table_arcsec / 30, 1e-9);
+  const IndexTable fine = build_index_table(profile, request.wavelengths_nm, {request.flat, fine_arcsec, request.height_m});
+  const double eye_m = f64::flattened_height_m(request.height_m, fine.curvature_per_m);
+  const std::vector<double> edges = place_layers(fine, 0, eye_m, setting.table_arcsec);
+  LayerTracer tracer(device, build_layer_table(fine, edges, eye_m, {}), setting.precision);
+  std::vector<double> elevations;
+  for (double altitude : request.altitudes_deg) elevations.push_back(to_rad(altitude));
+  Traced traced{tracer.trace(elevations), edges.size() - 1, fine.bound_arcsec, {}};
+  traced.stats = tracer.stats();
+  return traced;
+}
+
 Traced trace_with(const Setting &setting, const Profile &profile, const RefractionRequest &request,
                   const std::shared_ptr<Device> &device) {
+  if (request.closed_form) return trace_layers_with(setting, profile, request, device);
   const IndexTable table =
       build_index_table(profile, request.wavelengths_nm, {request.flat, setting.table_arcsec, request.height_m});
   std::vector<f64::RayStart> starts;

@@ -14,6 +14,7 @@ struct RefractionRequest {
   std::vector<double> altitudes_deg;        // apparent: above the horizontal, in the air there
   std::vector<double> wavelengths_nm;
   Precision precision = Precision::double_;
+  bool closed_form = false;                 // layers in closed form; otherwise the integrator below
   Integrator integrator = Integrator::dormand_prince;
   double tolerance_arcsec = 1e-4;           // bounds the error of refraction for rays that reach space, the table's included
   bool flat = false;

@@ -12,6 +12,8 @@
 
 #include "ray/closed_form.h"
 
+#include "ray/closed_form_path.h"
+
 #undef DEVICE
 #undef GLOBAL
 #undef CONSTANT

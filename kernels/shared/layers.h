@@ -23,3 +23,13 @@ typedef struct Layer {
   scalar tilt[LAYER_QUANTITIES];
   scalar bow[LAYER_QUANTITIES];
 } Layer;
+
+/* What is common to the rays of one wavelength. */
+typedef struct LayerRow {
+  scalar eye_m;             /* flattened height */
+  scalar index_eye;         /* N there */
+  scalar lowest_lift_above; /* rays steeper than these never turn on that side */
+  scalar lowest_lift_below;
+  int level_rises; /* 1: a level ray starts upward */
+  int pad_;
+} LayerRow;
