@@ -123,9 +123,15 @@ class Placer {
       const double sine2 = extra * spread - lowest;  // sin^2 at the lower edge: level somewhere, or steeper
       const double near2 = std::max(sine2, 0.0), mid2 = sine2 + lift_middle, far2 = sine2 + lift_high;
       if (mid2 < 0 || far2 < 0 || (near2 == 0 && mid2 == 0) || (far2 == 0 && mid2 == 0)) continue;
-      const double one = closed_form(whole, near2, far2, 0);
-      const double two = closed_form(first, near2, mid2, 0) + closed_form(second, mid2, far2, 0);
-      worst = std::max(worst, std::abs(one - two));
+      const auto halves = [&](double more) {
+        return closed_form(first, near2 + more, mid2 + more, 0) + closed_form(second, mid2 + more, far2 + more, 0);
+      };
+      const double two = halves(0), one = closed_form(whole, near2, far2, 0);
+      // Where a ray is nearly level at a height of balance, refraction changes faster than the direction it is seen in: an
+      // error is as good as a direction off by error / |dR/da|, so it may be that much larger.
+      const double sine = std::sqrt(near2), turn = 1e-3 * sine + 1e-9;
+      const double stretch = std::abs(halves((2 * sine + turn) * turn) - two) / turn;
+      worst = std::max(worst, std::abs(one - two) / std::max(1.0, stretch));
     }
     return worst;
   }
