@@ -87,10 +87,12 @@ LayerData weigh(const Medium &medium, double near_m, double far_m, double eye_po
 }
 
 /// The closed form over one layer for a ray with these sines squared at its edges; cos^2 at the eye is 1.
-double closed_form(const LayerData &layer, double near2, double far2, std::size_t q) {
+double closed_form(const LayerData &layer, double near2, double far2, std::size_t q = f64::LAYER_BENDING) {
   const f64::LayerFactors f = f64::layer_factors(std::sqrt(near2), std::sqrt(far2), layer.bulge, layer.skew);
   return layer.mean[q] * f.mean + layer.tilt[q] * f.tilt + layer.bow[q] * f.bow;
 }
+
+constexpr double air_mass_error = 4e-5;  // relative, of one layer's share
 
 class Placer {
  public:
@@ -124,14 +126,18 @@ class Placer {
       const double near2 = std::max(sine2, 0.0), mid2 = sine2 + lift_middle, far2 = sine2 + lift_high;
       if (mid2 < 0 || far2 < 0 || (near2 == 0 && mid2 == 0) || (far2 == 0 && mid2 == 0)) continue;
       const auto halves = [&](double more) {
-        return closed_form(first, near2 + more, mid2 + more, 0) + closed_form(second, mid2 + more, far2 + more, 0);
+        return closed_form(first, near2 + more, mid2 + more) + closed_form(second, mid2 + more, far2 + more);
       };
-      const double two = halves(0), one = closed_form(whole, near2, far2, 0);
-      // Where a ray is nearly level at a height of balance, refraction changes faster than the direction it is seen in: an
-      // error is as good as a direction off by error / |dR/da|, so it may be that much larger.
+      const double two = halves(0), one = closed_form(whole, near2, far2);
+      // Where a ray is nearly level at a height of balance, refraction changes faster than the direction it is seen in:
+      // an error is as good as a direction off by error / |dR/da|, so it may be that much larger.
       const double sine = std::sqrt(near2), turn = 1e-3 * sine + 1e-9;
       const double stretch = std::abs(halves((2 * sine + turn) * turn) - two) / turn;
       worst = std::max(worst, std::abs(one - two) / std::max(1.0, stretch));
+      const double air =
+          closed_form(first, near2, mid2, f64::LAYER_AIR) + closed_form(second, mid2, far2, f64::LAYER_AIR);
+      const double off = std::abs(closed_form(whole, near2, far2, f64::LAYER_AIR) - air);
+      if (air > 0) worst = std::max(worst, off / air * error_rad_ / air_mass_error);
     }
     return worst;
   }

@@ -20,11 +20,14 @@ RefractionRequest request_from(const Arguments &a) {
   request.wavelengths_nm = a.list("--wavelengths", 200, 2000, "nm");
   request.precision = precision_of(a, Precision::double_);
   const std::string method = a.choice("--method", methods, "auto");
-  request.closed_form = method == "cells";
-  request.integrator = method == "richardson" ? Integrator::richardson : Integrator::dormand_prince;
+  request.method = method == "richardson" ? RayMethod::richardson
+                   : method == "rk"       ? RayMethod::dormand_prince
+                                          : RayMethod::cells;
   const bool single = request.precision == Precision::single_;
-  request.tolerance_arcsec =
-      a.optional_number("--tolerance", 1e-6, 3600, "arcsec").value_or(single ? 0.01 : method == "richardson" ? 1e-3 : 1e-5);
+  request.tolerance_arcsec = a.optional_number("--tolerance", 1e-6, 3600, "arcsec")
+                                 .value_or(single                   ? 0.01
+                                           : method == "richardson" ? 1e-3
+                                                                    : 1e-5);
   return request;
 }
 
@@ -48,7 +51,9 @@ std::string as_csv(const RefractionTable &table, const RefractionRequest &reques
   return out.str();
 }
 
-nlohmann::json cell_json(const std::optional<double> &value) { return value ? nlohmann::json(*value) : nlohmann::json(); }
+nlohmann::json cell_json(const std::optional<double> &value) {
+  return value ? nlohmann::json(*value) : nlohmann::json();
+}
 
 std::string as_json(const RefractionTable &table, const RefractionRequest &request, const Profile &profile) {
   nlohmann::json out;
@@ -102,7 +107,7 @@ Command refraction_command() {
                         {"--altitudes", "", "LIST", "apparent altitudes [deg]: a,b,c or FROM:TO:STEP", true},
                         {"--wavelengths", "", "LIST", "vacuum wavelengths [nm]", true},
                         {"--precision", "", "P", "float | double (default)"},
-                        {"--method", "", "M", "auto | rk | richardson"},
+                        {"--method", "", "M", "auto (cells) | cells: layers in closed form | rk | richardson"},
                         {"--tolerance", "", "ARCSEC", "bound of the error of refraction_arcsec, table included"},
                         {"--format", "", "F", "csv (default) | json"},
                         {"--output", "-o", "FILE", "write to a file"}}}),

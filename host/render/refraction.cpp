@@ -37,7 +37,8 @@ struct Traced {
 Traced trace_layers_with(const Setting &setting, const Profile &profile, const RefractionRequest &request,
                          const std::shared_ptr<Device> &device) {
   const double fine_arcsec = std::max(setting.table_arcsec / 30, 1e-9);
-  const IndexTable fine = build_index_table(profile, request.wavelengths_nm, {request.flat, fine_arcsec, request.height_m});
+  const IndexTable fine =
+      build_index_table(profile, request.wavelengths_nm, {request.flat, fine_arcsec, request.height_m});
   const double eye_m = f64::flattened_height_m(request.height_m, fine.curvature_per_m);
   const std::vector<double> edges = place_layers(fine, 0, eye_m, setting.table_arcsec);
   LayerTracer tracer(device, build_layer_table(fine, edges, eye_m, {}), setting.precision);
@@ -50,7 +51,7 @@ Traced trace_layers_with(const Setting &setting, const Profile &profile, const R
 
 Traced trace_with(const Setting &setting, const Profile &profile, const RefractionRequest &request,
                   const std::shared_ptr<Device> &device) {
-  if (request.closed_form) return trace_layers_with(setting, profile, request, device);
+  if (request.method == RayMethod::cells) return trace_layers_with(setting, profile, request, device);
   const IndexTable table =
       build_index_table(profile, request.wavelengths_nm, {request.flat, setting.table_arcsec, request.height_m});
   std::vector<f64::RayStart> starts;
@@ -59,7 +60,7 @@ Traced trace_with(const Setting &setting, const Profile &profile, const Refracti
       starts.push_back(launch(table, row, request.height_m, to_rad(altitude)));
   TraceOptions options;
   options.precision = setting.precision;
-  options.integrator = request.integrator;
+  options.integrator = request.method == RayMethod::richardson ? Integrator::richardson : Integrator::dormand_prince;
   options.tolerance_rad = setting.step_rad;
   options.max_steps = 1000000;
   options.between_batches = stop_if_asked;

@@ -9,13 +9,15 @@
 
 namespace greenray {
 
+/// How a refraction is found: layers in closed form, or steps.
+enum class RayMethod { cells, dormand_prince, richardson };
+
 struct RefractionRequest {
   double height_m = 0;                      // of the eye
   std::vector<double> altitudes_deg;        // apparent: above the horizontal, in the air there
   std::vector<double> wavelengths_nm;
   Precision precision = Precision::double_;
-  bool closed_form = false;                 // layers in closed form; otherwise the integrator below
-  Integrator integrator = Integrator::dormand_prince;
+  RayMethod method = RayMethod::cells;
   double tolerance_arcsec = 1e-4;           // bounds the error of refraction for rays that reach space, the table's included
   bool flat = false;
 };

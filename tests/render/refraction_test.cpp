@@ -49,9 +49,11 @@ TYPED_TEST(Refraction, StandardAirAndIndexModels) {
   // the
   //         weight of air, so they are left to refraction_humid_virtual.csv
   // tolerance: as above; air mass 1e-5 (float), 3e-7, relative
-  const Worst worst = compare_table("refraction_standard.csv", TypeParam::precision, Integrator::dormand_prince);
-  EXPECT_GE(worst.rows, 700);
-  TestFixture::expect_within(worst, TypeParam::is_double ? 1e-4 : 0.01, TypeParam::is_double ? 3e-7 : 1e-5);
+  for (RayMethod method : {RayMethod::cells, RayMethod::dormand_prince}) {
+    const Worst worst = compare_table("refraction_standard.csv", TypeParam::precision, method);
+    EXPECT_GE(worst.rows, 700);
+    TestFixture::expect_within(worst, TypeParam::is_double ? 1e-4 : 0.01, TypeParam::is_double ? 3e-7 : 1e-5);
+  }
 }
 
 TYPED_TEST(Refraction, HumidAirWithItsOwnWeight) {
@@ -59,42 +61,47 @@ TYPED_TEST(Refraction, HumidAirWithItsOwnWeight) {
   // tolerance: double 5e-4: the oracle's vapour weighs 18.015/28.9635 of air, ours 18.01528/28.9644 (measured 2e-4);
   // the air
   //            mass counts air as dry in the oracle, 0.3 % heavier
-  const Worst worst = compare_table("refraction_humid_virtual.csv", TypeParam::precision, Integrator::dormand_prince);
-  EXPECT_GE(worst.rows, 50);
-  EXPECT_LT(worst.refraction_arcsec, TypeParam::is_double ? 5e-4 : 0.01);
-  EXPECT_LT(worst.height_m, 0.06);
-  EXPECT_LT(worst.distance_m, 3);
-  EXPECT_LT(worst.air_mass, 4e-3);
+  for (RayMethod method : {RayMethod::cells, RayMethod::dormand_prince}) {
+    const Worst worst = compare_table("refraction_humid_virtual.csv", TypeParam::precision, method);
+    EXPECT_GE(worst.rows, 50);
+    EXPECT_LT(worst.refraction_arcsec, TypeParam::is_double ? 5e-4 : 0.01);
+    EXPECT_LT(worst.height_m, 0.06);
+    EXPECT_LT(worst.distance_m, 3);
+    EXPECT_LT(worst.air_mass, 4e-3);
+  }
 }
 
 TYPED_TEST(Refraction, InversionsDuctsAndMirages) {
   // oracle: reference/refraction_inversions.csv (two routes that agree to 3e-8 arcsec over max(1, |dRda|))
   // tolerance: as above; trapped rows have no number, their status and turning points are equal
-  const Worst worst = compare_table("refraction_inversions.csv", TypeParam::precision, Integrator::dormand_prince);
-  EXPECT_GE(worst.rows, 1800);
-  TestFixture::expect_within(worst, TypeParam::is_double ? 1e-4 : 0.01, TypeParam::is_double ? 3e-7 : 1e-5);
+  for (RayMethod method : {RayMethod::cells, RayMethod::dormand_prince}) {
+    const Worst worst = compare_table("refraction_inversions.csv", TypeParam::precision, method);
+    EXPECT_GE(worst.rows, 1800);
+    TestFixture::expect_within(worst, TypeParam::is_double ? 1e-4 : 0.01, TypeParam::is_double ? 3e-7 : 1e-5);
+  }
 }
 
 TYPED_TEST(Refraction, SuppliedDoubleSun) {
   // oracle: reference/supplied/inversion_doublesun_fermi_dTm3_h4_a1.csv, given with the project
   // tolerance: as above
-  const Worst worst = compare_table("supplied/inversion_doublesun_fermi_dTm3_h4_a1.csv", TypeParam::precision,
-                                    Integrator::dormand_prince, "inversion_doublesun",
-                                    {"h_obs_m", "lambda_nm", "h_min_m", "h_max_m", "ground_distance_m", false});
-  EXPECT_GE(worst.rows, 300);
-  TestFixture::expect_within(worst, TypeParam::is_double ? 1e-4 : 0.01, 1e-9);
+  for (RayMethod method : {RayMethod::cells, RayMethod::dormand_prince}) {
+    const Worst worst = compare_table("supplied/inversion_doublesun_fermi_dTm3_h4_a1.csv", TypeParam::precision, method,
+                                      "inversion_doublesun",
+                                      {"h_obs_m", "lambda_nm", "h_min_m", "h_max_m", "ground_distance_m", false});
+    EXPECT_GE(worst.rows, 300);
+    TestFixture::expect_within(worst, TypeParam::is_double ? 1e-4 : 0.01, 1e-9);
+  }
 }
 
 /// Total refraction of one profile and eye, [altitudes][wavelengths].
 RefractionTable refraction_of(const Profile &profile, double eye_m, std::vector<double> altitudes_deg,
-                              std::vector<double> nm, Precision precision,
-                              Integrator integrator = Integrator::dormand_prince) {
+                              std::vector<double> nm, Precision precision, RayMethod method = RayMethod::cells) {
   RefractionRequest request;
   request.height_m = eye_m;
   request.altitudes_deg = std::move(altitudes_deg);
   request.wavelengths_nm = std::move(nm);
   request.precision = precision;
-  request.integrator = integrator;
+  request.method = method;
   request.tolerance_arcsec = precision == Precision::double_ ? 1e-5 : 0.02;
   return refraction_table(profile, request, shared_device());
 }
@@ -119,16 +126,16 @@ TYPED_TEST(Refraction, SuppliedStandardAtmosphere) {
   EXPECT_EQ(result.rows_over_tolerance, 0u);
 }
 
-TYPED_TEST(Refraction, KnownAnswersByBothIntegrators) {
+TYPED_TEST(Refraction, KnownAnswersByEveryMethod) {
   // oracle: reference/known_answers.csv: eleven refractions at sea level given with the design notes
   // tolerance: 6e-5 at 4 printed digits, 6e-4 at 3 (double); 0.01 arcsec (float)
   const ReferenceTable table("known_answers.csv");
   ASSERT_EQ(table.rows().size(), 11u);
-  for (Integrator integrator : {Integrator::dormand_prince, Integrator::richardson})
+  for (RayMethod method : {RayMethod::cells, RayMethod::dormand_prince, RayMethod::richardson})
     for (const ReferenceRow &row : table.rows()) {
       const double nm = row.number("wavelength_nm");
       const RefractionTable result = refraction_of(reference_profile("us76"), 0, {row.number("apparent_altitude_deg")},
-                                                   {nm}, TypeParam::precision, integrator);
+                                                   {nm}, TypeParam::precision, method);
       const double digits = nm == 589.3 ? 6e-5 : 6e-4;
       EXPECT_NEAR(*result.rows[0].refraction_arcsec, row.number("refraction_arcsec"),
                   TypeParam::is_double ? digits : 0.01);
@@ -140,9 +147,10 @@ TYPED_TEST(Refraction, BothIntegratorsAgreeThroughAnInversion) {
   // tolerance: over max(1, |dR/da|), which reaches 30 here: float 0.02, double 2e-5
   const std::vector<double> altitudes{-0.3, -0.1, 0, 0.05, 0.1, 0.2, 0.5, 2, 30};
   const Profile &profile = reference_profile("thin_fermi");
-  const RefractionTable dp = refraction_of(profile, 40, altitudes, {450, 650}, TypeParam::precision);
+  const RefractionTable dp =
+      refraction_of(profile, 40, altitudes, {450, 650}, TypeParam::precision, RayMethod::dormand_prince);
   const RefractionTable paper =
-      refraction_of(profile, 40, altitudes, {450, 650}, TypeParam::precision, Integrator::richardson);
+      refraction_of(profile, 40, altitudes, {450, 650}, TypeParam::precision, RayMethod::richardson);
   for (std::size_t i = 0; i < dp.rows.size(); ++i) {
     ASSERT_EQ(dp.rows[i].outcome, paper.rows[i].outcome);
     if (!dp.rows[i].refraction_arcsec) continue;

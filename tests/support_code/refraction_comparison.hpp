@@ -61,7 +61,7 @@ inline void compare_row(const ReferenceRow &row, const RefractionRow &got, const
 }
 
 /// Groups of rows with one profile and eye are one request of all their altitudes and wavelengths.
-inline Worst compare_table(const std::string &file, Precision precision, Integrator integrator,
+inline Worst compare_table(const std::string &file, Precision precision, RayMethod method,
                            const std::string &profile_name = "", const Columns &columns = {}) {
   const ReferenceTable table(file);
   std::map<std::pair<std::string, double>, std::vector<const ReferenceRow *>> groups;
@@ -82,7 +82,7 @@ inline Worst compare_table(const std::string &file, Precision precision, Integra
     request.altitudes_deg.assign(altitudes.begin(), altitudes.end());
     request.wavelengths_nm.assign(wavelengths.begin(), wavelengths.end());
     request.precision = precision;
-    request.integrator = integrator;
+    request.method = method;
     request.tolerance_arcsec = precision == Precision::double_ ? 1e-5 : 0.02;
     const RefractionTable result = refraction_table(reference_profile(key.first), request, shared_device());
     EXPECT_EQ(result.rows.size(), altitudes.size() * wavelengths.size());
