@@ -210,7 +210,8 @@ const std::vector<std::pair<const char *, IndexModel>> &index_model_words() {
 ProfileSpec parse_profile(const std::string &file, std::string_view text, const SoundingChoice &choice) {
   const std::filesystem::path path(file);
   const std::string kind = path.extension().string();
-  const bool table = kind == ".csv" || kind == ".txt" || kind == ".html" || kind == ".htm";  // never TOML, even when empty
+  const bool table =
+      kind == ".csv" || kind == ".txt" || kind == ".html" || kind == ".htm";  // never TOML, even when empty
   if (table || (kind != ".toml" && looks_like_sounding(file, text))) return read_sounding(file, text, choice);
   ProfileSpec spec = read_toml(file, text);
   spec.name = path.stem().string();

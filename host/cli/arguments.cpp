@@ -27,7 +27,9 @@ std::string shown(double x) {
 }
 
 std::size_t wanted_positionals(const std::string &positional) {
-  return positional.empty() || positional[0] == '[' ? 0 : 1 + static_cast<std::size_t>(std::count(positional.begin(), positional.end(), ' '));
+  return positional.empty() || positional[0] == '['
+             ? 0
+             : 1 + static_cast<std::size_t>(std::count(positional.begin(), positional.end(), ' '));
 }
 std::size_t most_positionals(const std::string &positional) {
   if (positional.find("...") != std::string::npos) return 100000;
@@ -77,8 +79,8 @@ Arguments::Arguments(const CommandSpec &spec, const std::vector<std::string> &wo
     const auto flag = std::find_if(spec.flags.begin(), spec.flags.end(),
                                    [&](const Flag &f) { return f.name == word || f.short_name == word; });
     if (flag == spec.flags.end()) {
-      wrong.push_back({here, "unknown flag '" + word + "'" + did_you_mean(word, names) + "; see `greenray " + spec.name +
-                                 " --help`"});
+      wrong.push_back({here, "unknown flag '" + word + "'" + did_you_mean(word, names) + "; see `greenray " +
+                                 spec.name + " --help`"});
       continue;
     }
     Given &given = values_[flag->name];
@@ -95,7 +97,8 @@ Arguments::Arguments(const CommandSpec &spec, const std::vector<std::string> &wo
       column += static_cast<int>(words[++i].size()) + 1;
       given.values.push_back(words[i]);
     } else {
-      wrong.push_back({here, flag->name + " needs a value: expected " + flag->name + " " + flag->value + ", " + flag->help});
+      wrong.push_back(
+          {here, flag->name + " needs a value: expected " + flag->name + " " + flag->value + ", " + flag->help});
     }
   }
   if (!has("--help")) {
@@ -144,8 +147,8 @@ std::optional<double> Arguments::optional_number(const std::string &flag, double
 
 std::vector<double> Arguments::list(const std::string &flag, double low, double high, const std::string &unit) const {
   const std::string given = text(flag);
-  const std::string expected = "expected a,b,c or FROM:TO:STEP with numbers from " + shown(low) + " to " + shown(high) +
-                               " [" + unit + "]";
+  const std::string expected =
+      "expected a,b,c or FROM:TO:STEP with numbers from " + shown(low) + " to " + shown(high) + " [" + unit + "]";
   constexpr std::size_t most = 10'000'000;
   const bool range = given.find(':') != std::string::npos;
   std::vector<double> parts;

@@ -10,9 +10,9 @@
 namespace greenray::cli {
 
 struct Flag {
-  std::string name;         // "--height"
-  std::string short_name;   // "-d" or ""
-  std::string value;        // "M", "LIST"; "" for a switch
+  std::string name;        // "--height"
+  std::string short_name;  // "-d" or ""
+  std::string value;       // "M", "LIST"; "" for a switch
   std::string help;
   bool required = false;
   bool repeatable = false;
@@ -20,7 +20,7 @@ struct Flag {
 
 struct CommandSpec {
   std::string name;
-  std::string positional;    // "PROFILE"; "" for none; "A.exr B.exr" for two; "[SUITE]" for an optional one
+  std::string positional;  // "PROFILE"; "" for none; "A.exr B.exr" for two; "[SUITE]" for an optional one
   std::string summary;
   std::vector<Flag> flags;
 };
@@ -41,11 +41,13 @@ class Arguments {
   const std::vector<std::string> &all(const std::string &flag) const;
   /// Number in [low, high]; throws InputError naming the range and unit.
   double number(const std::string &flag, double low, double high, const std::string &unit) const;
-  std::optional<double> optional_number(const std::string &flag, double low, double high, const std::string &unit) const;
+  std::optional<double> optional_number(const std::string &flag, double low, double high,
+                                        const std::string &unit) const;
   /// LIST: a,b,c or FROM:TO:STEP, each within [low, high].
   std::vector<double> list(const std::string &flag, double low, double high, const std::string &unit) const;
   /// One of the words; did-you-mean otherwise.
-  std::string choice(const std::string &flag, const std::vector<std::string> &words, const std::string &otherwise) const;
+  std::string choice(const std::string &flag, const std::vector<std::string> &words,
+                     const std::string &otherwise) const;
   /// A file name with this extension (".svg"); so that a picture is not written over a text by mistake.
   std::string file(const std::string &flag, const std::string &extension) const;
   SourcePlace place(const std::string &flag) const;

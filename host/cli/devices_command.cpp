@@ -16,7 +16,9 @@ nlohmann::json describe(const DeviceInfo &d) {
           {"platform", d.platform_name},
           {"driver", d.driver},
           {"version", d.version},
-          {"type", d.is_gpu ? "gpu" : d.is_cpu ? "cpu" : "other"},
+          {"type", d.is_gpu   ? "gpu"
+                   : d.is_cpu ? "cpu"
+                              : "other"},
           {"compute_units", d.compute_units},
           {"memory_bytes", d.memory_bytes},
           {"double", d.has_double},
@@ -35,9 +37,12 @@ int list(const Arguments &a) {
   std::ostringstream out;
   for (const DeviceInfo &d : devices)
     out << d.address() << "  " << d.name << " (" << d.platform_name << ", " << d.driver << "), "
-        << (d.is_gpu ? "GPU" : d.is_cpu ? "CPU" : "other") << ", " << d.compute_units << " units, " << std::fixed
-        << std::setprecision(1) << static_cast<double>(d.memory_bytes) / 1e9 << " GB"
-        << (d.has_double ? ", double" : "") << (d.has_images ? ", images" : "") << "\n";
+        << (d.is_gpu   ? "GPU"
+            : d.is_cpu ? "CPU"
+                       : "other")
+        << ", " << d.compute_units << " units, " << std::fixed << std::setprecision(1)
+        << static_cast<double>(d.memory_bytes) / 1e9 << " GB" << (d.has_double ? ", double" : "")
+        << (d.has_images ? ", images" : "") << "\n";
   emit(a, out.str());
   return 0;
 }

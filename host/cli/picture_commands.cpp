@@ -25,16 +25,15 @@ int compare(const Arguments &a) {
                      .dump(1)
               << "\n";
   } else {
-    std::cout << "rms " << c.rms << "  max " << c.max_abs << "  relative rms " << c.relative_rms << "  psnr " << c.psnr_db
-              << " dB  over " << c.pixels << " pixels\n";
+    std::cout << "rms " << c.rms << "  max " << c.max_abs << "  relative rms " << c.relative_rms << "  psnr "
+              << c.psnr_db << " dB  over " << c.pixels << " pixels\n";
   }
   return max_rms && !(c.rms <= *max_rms) ? static_cast<int>(ExitCode::different) : 0;
 }
 
 int develop(const Arguments &a) {
   const std::string observer = a.choice("--observer", {"human", "camera", "linear"}, "camera");
-  if (observer != "camera")
-    a.fail("--observer", "only the camera is built in this version: expected camera");
+  if (observer != "camera") a.fail("--observer", "only the camera is built in this version: expected camera");
   const auto ev = a.optional_number("--exposure", -60, 60, "EV");
   const std::string png = a.file("--output", ".png");
   const ExrPicture picture = read_exr(a.positional()[0]);
@@ -43,8 +42,8 @@ int develop(const Arguments &a) {
   write_png(file, camera.pixels);
   file.commit();
   if (!a.has("--quiet"))
-    std::cout << "wrote    " << png << "  (key " << camera.report.key_cd_m2 << " cd/m2, "
-              << camera.report.gamut_moved << " pixels brought into gamut)\n";
+    std::cout << "wrote    " << png << "  (key " << camera.report.key_cd_m2 << " cd/m2, " << camera.report.gamut_moved
+              << " pixels brought into gamut)\n";
   return 0;
 }
 

@@ -36,8 +36,9 @@ std::string Progress::line(const std::string &phase, double fraction, double noi
 void Progress::show(const std::string &phase, double fraction, double noise) {
   if (style_ == Style::quiet) return;
   if (style_ == Style::json) {
-    std::cout << nlohmann::json{{"event", "progress"}, {"phase", phase}, {"fraction", fraction}, {"noise", noise}}.dump()
-              << std::endl;
+    std::cout
+        << nlohmann::json{{"event", "progress"}, {"phase", phase}, {"fraction", fraction}, {"noise", noise}}.dump()
+        << std::endl;
     return;
   }
   if (terminal_) {

@@ -6,6 +6,7 @@
 #include "atmosphere/profile_file.hpp"
 #include "cli/commands.hpp"
 #include "render/refraction.hpp"
+#include "render/renderer.hpp"
 #include "support/version.hpp"
 
 namespace greenray::cli {
@@ -93,7 +94,9 @@ int run(const Arguments &a) {
   if (table.table_bound_arcsec > request.tolerance_arcsec && !a.has("--quiet"))
     std::cerr << "warning: a layer of this air is too thin for the index table: rays that graze it may be off by "
               << table.table_bound_arcsec << " arcsec, more than the tolerance\n";
-  emit(a, format == "json" ? as_json(table, request, profile) : as_csv(table, request, profile));
+  const std::string text = format == "json" ? as_json(table, request, profile) : as_csv(table, request, profile);
+  stop_if_asked();
+  emit(a, text);
   return 0;
 }
 

@@ -40,9 +40,7 @@ int write_new(const Arguments &a) {
 
 }  // namespace
 
-Command scenes_command() {
-  return {with_common({"scenes", "", "Lists the scenes that ship.", {}}), list};
-}
+Command scenes_command() { return {with_common({"scenes", "", "Lists the scenes that ship.", {}}), list}; }
 Command new_command() {
   return {with_common({"new", "FILE.toml", "Writes a commented scene to start from.", {}}), write_new};
 }

@@ -22,17 +22,21 @@ TraceRequest request_from(const Arguments &a) {
   request.precision = precision_of(a, Precision::double_);
   request.flat = a.choice("--surface", {"sphere", "flat"}, "sphere") == "flat";
   const std::string method = a.choice("--method", {"auto", "rk", "richardson", "cells"}, "auto");
-  if (method == "cells") a.fail("--method", "closed-form cells are not built yet in this version: expected auto | rk | richardson");
+  if (method == "cells")
+    a.fail("--method", "closed-form cells are not built yet in this version: expected auto | rk | richardson");
   request.integrator = method == "richardson" ? Integrator::richardson : Integrator::dormand_prince;
   const bool single = request.precision == Precision::single_;
-  request.tolerance_arcsec = a.optional_number("--tolerance", 1e-6, 3600, "arcsec").value_or(single ? 1e-3 : method == "richardson" ? 1e-3 : 1e-6);
+  request.tolerance_arcsec = a.optional_number("--tolerance", 1e-6, 3600, "arcsec")
+                                 .value_or(single                   ? 1e-3
+                                           : method == "richardson" ? 1e-3
+                                                                    : 1e-6);
   return request;
 }
 
 std::string as_csv(const std::vector<TraceRow> &rows, const TraceRequest &request, const Profile &profile) {
   std::ostringstream out;
-  out << "# greenray " << version() << " trace, profile " << profile.spec().name << ", eye at " << digits(request.height_m)
-      << " m, " << (request.flat ? "flat" : "sphere") << "\n";
+  out << "# greenray " << version() << " trace, profile " << profile.spec().name << ", eye at "
+      << digits(request.height_m) << " m, " << (request.flat ? "flat" : "sphere") << "\n";
   if (profile.spec().exaggerate != 1)
     out << "# the refractivity is exaggerated " << digits(profile.spec().exaggerate) << " times\n";
   out << "apparent_altitude_deg,wavelength_nm,distance_m,status,height_m,elevation_deg,bending_arcsec,optical_path_m\n";

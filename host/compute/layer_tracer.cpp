@@ -29,8 +29,22 @@ void append_side(std::vector<Layer> &out, const LayerSide &side) {
 }
 
 f64::RayEnd widened(const f32::RayEnd &e) {
-  return {e.above_m,  e.run,       e.rise,    e.sigma_m, e.bending_rad, e.optical_path_m, {e.column[0], e.column[1], e.column[2]},
-          e.min_z_m,  e.max_z_m,   e.solver_error_rad,   e.bouguer_drift, e.cell, e.outcome, e.turning_points, e.steps, e.rejected};
+  return {e.above_m,
+          e.run,
+          e.rise,
+          e.sigma_m,
+          e.bending_rad,
+          e.optical_path_m,
+          {e.column[0], e.column[1], e.column[2]},
+          e.min_z_m,
+          e.max_z_m,
+          e.solver_error_rad,
+          e.bouguer_drift,
+          e.cell,
+          e.outcome,
+          e.turning_points,
+          e.steps,
+          e.rejected};
 }
 f64::RayEnd widened(const f64::RayEnd &e) { return e; }
 
@@ -39,7 +53,10 @@ f64::RayEnd widened(const f64::RayEnd &e) { return e; }
 /// The device's side in one precision.
 struct LayerTracer::State {
   State(std::shared_ptr<Device> d, const LayerTable &table, Precision p)
-      : owner(std::move(d)), device(owner->state()), precision(p), rows(table.wavelength_nm.size()),
+      : owner(std::move(d)),
+        device(owner->state()),
+        precision(p),
+        rows(table.wavelength_nm.size()),
         layers_above(static_cast<int>(table.above.front().layers.size())),
         layers_below(static_cast<int>(table.below.front().layers.size())) {
     if (is_double() && !device.info.has_double)
@@ -61,8 +78,8 @@ struct LayerTracer::State {
       append_side(above_layers, table.above[w]);
       append_side(below_layers, table.below[w]);
       row_data.push_back({static_cast<Scalar>(table.eye_m), static_cast<Scalar>(table.index_eye[w]),
-                          static_cast<Scalar>(table.above[w].lowest_lift), static_cast<Scalar>(table.below[w].lowest_lift),
-                          table.level_rises[w] ? 1 : 0, 0});
+                          static_cast<Scalar>(table.above[w].lowest_lift),
+                          static_cast<Scalar>(table.below[w].lowest_lift), table.level_rises[w] ? 1 : 0, 0});
     }
     above_layers.resize(above_layers.size() + 1);  // a buffer cannot be empty
     below_layers.resize(below_layers.size() + 1);
@@ -86,6 +103,7 @@ struct LayerTracer::State {
     std::vector<Scalar> sine(chunk), cosine(chunk);
     std::vector<End> host_ends(chunk * rows);
     for (std::size_t first = 0; first < elevations_rad.size(); first += chunk) {
+      if (first > 0 && between_batches) between_batches();
       const std::size_t count = std::min(chunk, elevations_rad.size() - first);
       for (std::size_t i = 0; i < count; ++i) {
         sine[i] = static_cast<Scalar>(std::sin(elevations_rad[first + i]));
@@ -140,12 +158,16 @@ struct LayerTracer::State {
   std::size_t rows;
   int layers_above, layers_below;
   bool warm = false;
+  std::function<void()> between_batches;
   cl::Buffer above, below, row_buffer;
   TraceStats stats;
 };
 
-LayerTracer::LayerTracer(std::shared_ptr<Device> device, const LayerTable &table, Precision precision)
-    : state_(std::make_unique<State>(std::move(device), table, precision)) {}
+LayerTracer::LayerTracer(std::shared_ptr<Device> device, const LayerTable &table, Precision precision,
+                         std::function<void()> between_batches)
+    : state_(std::make_unique<State>(std::move(device), table, precision)) {
+  state_->between_batches = std::move(between_batches);
+}
 LayerTracer::~LayerTracer() = default;
 const TraceStats &LayerTracer::stats() const { return state_->stats; }
 

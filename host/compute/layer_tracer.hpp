@@ -11,11 +11,13 @@ namespace greenray {
 
 class LayerTracer {
  public:
-  LayerTracer(std::shared_ptr<Device> device, const LayerTable &table, Precision precision);
+  /// between_batches may throw to stop.
+  LayerTracer(std::shared_ptr<Device> device, const LayerTable &table, Precision precision,
+              std::function<void()> between_batches = {});
   ~LayerTracer();
 
-  /// One end per elevation [rad] and wavelength, [elevations][wavelengths]. Fields that only a stepping solver has (steps, cell,
-  /// rise, solver_error_rad) are 0. above_m is the flattened height of the end.
+  /// One end per elevation [rad] and wavelength, [elevations][wavelengths]. Fields that only a stepping solver has
+  /// (steps, cell, rise, solver_error_rad) are 0. above_m is the flattened height of the end.
   std::vector<f64::RayEnd> trace(std::span<const double> elevations_rad);
 
   const TraceStats &stats() const;

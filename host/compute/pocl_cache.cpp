@@ -45,7 +45,8 @@ void guard_pocl_cache() {
   static bool done = false;
   if (done) return;
   done = true;
-  if (!variable("PATH")) setenv("PATH", "/usr/local/bin:/usr/bin:/bin", 1);  // PoCL aborts when it cannot find its linker
+  if (!variable("PATH"))
+    setenv("PATH", "/usr/local/bin:/usr/bin:/bin", 1);  // PoCL aborts when it cannot find its linker
   const fs::path usual = where_pocl_will_write();
   if (!usual.empty() && writable(usual)) return;
   const char *temporary = variable("TMPDIR");

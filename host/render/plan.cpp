@@ -28,8 +28,8 @@ struct ElevationRange {
   }
 };
 
-/// Elevations that the whole picture sees (a crop uses the same table, so that it has the same bits): the extremes lie on
-/// the border, or at zenith and nadir inside it.
+/// Elevations that the whole picture sees (a crop uses the same table, so that it has the same bits): the extremes lie
+/// on the border, or at zenith and nadir inside it.
 ElevationRange elevation_range(const Scene &scene, const RenderPlan &plan) {
   const double tangent = 2 * std::tan(to_rad(scene.observer.fov_deg) / 2) / plan.size[0];
   const double altitude = to_rad(scene.observer.altitude_deg);
@@ -75,13 +75,15 @@ void explain(const Scene &scene, const RenderOptions &options, RenderPlan &plan)
   if (scene.tracing.transfer == TracingScene::Transfer::per_pixel)
     did.push_back("rays for every sample of every pixel: tracing.transfer = \"per-pixel\"");
   else did.push_back("one transfer table over elevation and wavelength: the index depends on height alone");
-  if (plan.wavelengths_nm.size() > 1) did.push_back("dispersion: " + std::to_string(plan.wavelengths_nm.size()) + " wavelengths");
+  if (plan.wavelengths_nm.size() > 1)
+    did.push_back("dispersion: " + std::to_string(plan.wavelengths_nm.size()) + " wavelengths");
   else left.push_back("dispersion: one wavelength asked for");
   const bool academic = scene.sky.model == SkyScene::Model::academic;
   if (academic) left.push_back("sky light and extinction: academic sky (black, white disk)");
   else if (!scene.atmosphere.extinction) left.push_back("extinction: atmosphere.extinction = false");
-  else did.push_back("extinction along the bent path: Rayleigh, ozone" +
-                     std::string(scene.atmosphere.visibility_km || scene.atmosphere.turbidity ? ", aerosol" : ""));
+  else
+    did.push_back("extinction along the bent path: Rayleigh, ozone" +
+                  std::string(scene.atmosphere.visibility_km || scene.atmosphere.turbidity ? ", aerosol" : ""));
   if (scene.sun.given == SunScene::Given::nothing) left.push_back("the Sun: no [sun] in the scene");
   else did.push_back(std::string("the Sun") + (scene.sun.limb_darkening && !academic ? " with limb darkening" : ""));
   left.push_back("geometry, photons and caustics: none in the scene");
@@ -98,9 +100,9 @@ RenderPlan plan_render(const Scene &scene, const RenderOptions &options) {
   if (plan.crop[0] < 0 || plan.crop[1] < 0 || plan.crop[2] > plan.size[0] || plan.crop[3] > plan.size[1] ||
       plan.crop[0] >= plan.crop[2] || plan.crop[1] >= plan.crop[3])
     throw InputError(options.crop_place, "--crop: expected X0,Y0,X1,Y1 inside the picture of " +
-                                                 std::to_string(plan.size[0]) + "x" + std::to_string(plan.size[1]));
-  plan.wavelengths_nm = wavelengths_even_in_refraction(scene.atmosphere.profile.index, scene.spectrum.range_nm,
-                                                       scene.spectrum.samples);
+                                             std::to_string(plan.size[0]) + "x" + std::to_string(plan.size[1]));
+  plan.wavelengths_nm =
+      wavelengths_even_in_refraction(scene.atmosphere.profile.index, scene.spectrum.range_nm, scene.spectrum.samples);
   const TracingScene &t = scene.tracing;
   plan.precision = t.precision == TracingScene::Precision::double_ ? Precision::double_ : Precision::single_;
   plan.integrator = t.method == TracingScene::Method::richardson ? Integrator::richardson : Integrator::dormand_prince;
@@ -113,8 +115,8 @@ RenderPlan plan_render(const Scene &scene, const RenderOptions &options) {
   plan.minutes = own ? options.minutes : t.minutes;
   plan.spp = spp.value_or(plan.error_pct || plan.minutes ? 1 << 20 : 16);
 
-  const auto pixels = static_cast<std::size_t>(plan.crop[2] - plan.crop[0]) *
-                      static_cast<std::size_t>(plan.crop[3] - plan.crop[1]);
+  const auto pixels =
+      static_cast<std::size_t>(plan.crop[2] - plan.crop[0]) * static_cast<std::size_t>(plan.crop[3] - plan.crop[1]);
   const std::size_t padded = (plan.wavelengths_nm.size() + 7) / 8 * 8;
   plan.host_bytes = pixels * (plan.wavelengths_nm.size() + padded + 8) * sizeof(float) + plan.rays * 300;
   plan.device_bytes = pixels * (padded + 2) * sizeof(float) + plan.entries * padded * 5 * sizeof(float) +

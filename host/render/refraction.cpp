@@ -41,7 +41,7 @@ Traced trace_layers_with(const Setting &setting, const Profile &profile, const R
       build_index_table(profile, request.wavelengths_nm, {request.flat, fine_arcsec, request.height_m});
   const double eye_m = f64::flattened_height_m(request.height_m, fine.curvature_per_m);
   const std::vector<double> edges = place_layers(fine, 0, eye_m, setting.table_arcsec);
-  LayerTracer tracer(device, build_layer_table(fine, edges, eye_m, {}), setting.precision);
+  LayerTracer tracer(device, build_layer_table(fine, edges, eye_m, {}), setting.precision, stop_if_asked);
   std::vector<double> elevations;
   for (double altitude : request.altitudes_deg) elevations.push_back(to_rad(altitude));
   Traced traced{tracer.trace(elevations), edges.size() - 1, fine.bound_arcsec, {}};
@@ -116,6 +116,7 @@ RefractionTable refraction_table(const Profile &profile, const RefractionRequest
     if (check_in_double) other = setting_for(tolerance / 64, Precision::double_);
     kept = trace_with(fine, profile, request, device);
     check = trace_with(other, profile, request, device);
+    stop_if_asked();
     error = worst_error(kept.ends, check.ends);
     const bool at_the_floor = fine.table_arcsec <= (single ? 1e-4 : 1e-8) && fine.step_rad <= (single ? 1e-10 : 1e-14);
     if (error <= request.tolerance_arcsec || at_the_floor) break;

@@ -13,12 +13,12 @@ namespace greenray {
 enum class RayMethod { cells, dormand_prince, richardson };
 
 struct RefractionRequest {
-  double height_m = 0;                      // of the eye
-  std::vector<double> altitudes_deg;        // apparent: above the horizontal, in the air there
+  double height_m = 0;                // of the eye
+  std::vector<double> altitudes_deg;  // apparent: above the horizontal, in the air there
   std::vector<double> wavelengths_nm;
   Precision precision = Precision::double_;
   RayMethod method = RayMethod::cells;
-  double tolerance_arcsec = 1e-4;           // bounds the error of refraction for rays that reach space, the table's included
+  double tolerance_arcsec = 1e-4;  // bounds the error of refraction for rays that reach space, the table's included
   bool flat = false;
 };
 
@@ -30,20 +30,21 @@ struct RefractionRow {
   double min_height_m, max_height_m;
   std::optional<double> ground_distance_m;
   int turning_points;
-  double error_arcsec;                      // estimate: difference of two settings (table, tolerance, precision)
+  double error_arcsec;  // estimate: difference of two settings (table, tolerance, precision)
 };
 
 struct RefractionTable {
-  std::vector<RefractionRow> rows;          // altitudes outermost, in the order given
+  std::vector<RefractionRow> rows;  // altitudes outermost, in the order given
   std::size_t cells_per_row = 0;
-  double table_bound_arcsec = 0;          // above the tolerance when a layer is too thin for the table
-  double error_arcsec = 0;                  // largest estimate over rows with status space
+  double table_bound_arcsec = 0;  // above the tolerance when a layer is too thin for the table
+  double error_arcsec = 0;        // largest estimate over rows with status space
   std::size_t rows_over_tolerance = 0;
   TraceStats stats;
 };
 
-/// Traces twice, with a coarser and a finer table and step tolerance, and tightens both until the difference is within the
-/// tolerance; in float the finer one is in double where the device has it, so that rounding is part of the estimate.
+/// Traces twice, with a coarser and a finer table and step tolerance, and tightens both until the difference is within
+/// the tolerance; in float the finer one is in double where the device has it, so that rounding is part of the
+/// estimate.
 RefractionTable refraction_table(const Profile &profile, const RefractionRequest &request,
                                  const std::shared_ptr<Device> &device);
 
@@ -58,7 +59,7 @@ struct TraceRequest {
 
 struct TraceRow {
   double apparent_altitude_deg, wavelength_nm, distance_m;
-  int outcome;          // in flight, or what ended it before the distance
+  int outcome;                                                     // in flight, or what ended it before the distance
   double height_m, elevation_deg, bending_arcsec, optical_path_m;  // at the distance, or where it ended
 };
 

@@ -22,10 +22,14 @@ Json outcomes_json(const OutcomeCounts &counts) {
 
 nlohmann::json device_json(const Device &device) {
   const DeviceInfo &d = device.info();
-  return {{"address", d.address()},     {"name", d.name},
-          {"platform", d.platform_name}, {"driver", d.driver},
-          {"version", d.version},        {"compute_units", d.compute_units},
-          {"lanes_float", device.lanes().lanes_float}, {"lanes_double", device.lanes().lanes_double},
+  return {{"address", d.address()},
+          {"name", d.name},
+          {"platform", d.platform_name},
+          {"driver", d.driver},
+          {"version", d.version},
+          {"compute_units", d.compute_units},
+          {"lanes_float", device.lanes().lanes_float},
+          {"lanes_double", device.lanes().lanes_double},
           {"budget_bytes", device.budget_bytes()}};
 }
 
@@ -61,7 +65,10 @@ nlohmann::json report_json(const Scene &scene, const RenderPlan &plan, const Ren
           {"outcomes", outcomes_json(report.trace.outcomes)},
           {"steps", {{"accepted", report.trace.steps}, {"rejected", report.trace.rejected}}},
           {"bouguer_drift", report.trace.bouguer_drift},
-          {"table", {{"cells", report.table_cells}, {"bound_arcsec", report.table_bound_arcsec}, {"storage", report.table_in_image ? "image" : "buffer"}}},
+          {"table",
+           {{"cells", report.table_cells},
+            {"bound_arcsec", report.table_bound_arcsec},
+            {"storage", report.table_in_image ? "image" : "buffer"}}},
           {"photons", {{"emitted", 0}, {"stored_diffuse", 0}, {"stored_caustic", 0}}},
           {"samples_per_pixel", report.spp},
           {"sun",

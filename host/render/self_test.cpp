@@ -11,8 +11,8 @@
 namespace greenray {
 namespace {
 
-/// US76, Born & Wolf index, 589.3 nm, R = 6371 km, eye at sea level: refraction [arcsec] at the apparent altitude [deg].
-/// Computed once with two independent methods (tests/data/reference/README.md).
+/// US76, Born & Wolf index, 589.3 nm, R = 6371 km, eye at sea level: refraction [arcsec] at the apparent altitude
+/// [deg]. Computed once with two independent methods (tests/data/reference/README.md).
 constexpr double known_altitude_deg[] = {45, 20, 10, 5, 2, 1, 0};
 constexpr double known_refraction[] = {57.0683, 155.6097, 312.8009, 578.8521, 1065.2681, 1410.1253, 1977.0497};
 
@@ -60,7 +60,8 @@ SelfTestResult test_storage(const std::shared_ptr<Device> &device) {
   for (int image = 0; image < 2; ++image) {
     TraceOptions options;
     options.storage = image ? TableStorage::image : TableStorage::buffer;
-    for (const f64::RayEnd &end : RayTracer(device, table, options).trace(starts)) bending[image].push_back(end.bending_rad);
+    for (const f64::RayEnd &end : RayTracer(device, table, options).trace(starts))
+      bending[image].push_back(end.bending_rad);
   }
   const bool ok = bending[0] == bending[1];
   return {"table as image", ok, ok ? "same bits as from a buffer" : "differs from the buffer"};

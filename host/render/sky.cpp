@@ -17,7 +17,8 @@ Depth depth_of(const Transfer &ray, const SpectralAir &air) {
   return {ray.column[0] * air.rayleigh_per_kg_m2, ray.column[2] * air.aerosol_per_m, ray.column[1] * air.ozone_per_m};
 }
 
-/// Radiance in two parts: what does not depend on the angle from the Sun, and the factor of the aerosol's phase function.
+/// Radiance in two parts: what does not depend on the angle from the Sun, and the factor of the aerosol's phase
+/// function.
 struct Glow {
   double isotropic, aureole;
 };
@@ -85,7 +86,8 @@ SkyTable make_sky_table(const Scene &scene, const TransferTable &transfer, const
   table.values.assign(transfer.entries * f32::SKY_CHANNEL_COUNT * padded, 0.0f);
   table.limb.assign(air.front().limb.size() * padded, 0.0f);
   for (std::size_t w = 0; w < air.size(); ++w)
-    for (std::size_t k = 0; k < air[w].limb.size(); ++k) table.limb[k * padded + w] = static_cast<float>(air[w].limb[k]);
+    for (std::size_t k = 0; k < air[w].limb.size(); ++k)
+      table.limb[k * padded + w] = static_cast<float>(air[w].limb[k]);
   for (std::size_t e = 0; e < transfer.entries; ++e)
     for (std::size_t w = 0; w < air.size(); ++w) {
       float *at = &table.values[e * f32::SKY_CHANNEL_COUNT * padded + w];

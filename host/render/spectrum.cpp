@@ -12,8 +12,8 @@ namespace {
 
 constexpr double avogadro_per_kmol = 6.02214076e26;
 constexpr double molecules_per_m2_per_DU = 2.687e20;
-constexpr double surface_air_kg_m3 = 1.225;       // US76
-constexpr double koschmieder = 3.912;             // -ln(0.02)
+constexpr double surface_air_kg_m3 = 1.225;  // US76
+constexpr double koschmieder = 3.912;        // -ln(0.02)
 constexpr double reference_nm = 550;
 
 using Outside = CsvTable::Outside;
@@ -25,7 +25,8 @@ double rayleigh_per_kg_m2(const CsvTable &table, double wavelength_nm) {
 
 /// Extinction of the aerosol at the surface at 550 nm [1/m].
 double aerosol_at_reference(const AtmosphereScene &air, double rayleigh_kg) {
-  if (air.visibility_km) return std::max(0.0, koschmieder / (*air.visibility_km * 1e3) - rayleigh_kg * surface_air_kg_m3);
+  if (air.visibility_km)
+    return std::max(0.0, koschmieder / (*air.visibility_km * 1e3) - rayleigh_kg * surface_air_kg_m3);
   if (air.turbidity) {
     const double molecular_depth = rayleigh_kg * 101325.0 / us76::gravity_m_s2;
     return (*air.turbidity - 1) * molecular_depth / air.aerosol_scale_height_m;
@@ -63,7 +64,8 @@ SpectralAir academic_air(const CsvTable &d65, double wavelength_nm) {
 std::vector<double> wavelengths_even_in_refraction(IndexModel model, const std::array<double, 2> &range_nm,
                                                    int samples) {
   if (samples == 1) return {0.5 * (range_nm[0] + range_nm[1])};
-  const double n_short = reference_refractivity(model, range_nm[0]), n_long = reference_refractivity(model, range_nm[1]);
+  const double n_short = reference_refractivity(model, range_nm[0]),
+               n_long = reference_refractivity(model, range_nm[1]);
   std::vector<double> wavelengths;
   for (int i = 0; i < samples; ++i) {
     const double wanted = n_short + (n_long - n_short) * i / (samples - 1);

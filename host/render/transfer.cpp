@@ -25,7 +25,8 @@ std::vector<Transfer> trace_rays(RayTracer &tracer, const IndexTable &index, dou
   std::vector<f64::RayStart> starts;
   starts.reserve(elevations_rad.size() * index.wavelength_nm.size());
   for (double elevation : elevations_rad)
-    for (std::size_t w = 0; w < index.wavelength_nm.size(); ++w) starts.push_back(launch(index, w, height_m, elevation));
+    for (std::size_t w = 0; w < index.wavelength_nm.size(); ++w)
+      starts.push_back(launch(index, w, height_m, elevation));
   const std::vector<f64::RayEnd> ends = tracer.trace(starts);
   std::vector<Transfer> rays;
   rays.reserve(ends.size());

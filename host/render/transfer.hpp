@@ -10,7 +10,7 @@ namespace greenray {
 /// One ray of the table: where it ends and what it went through.
 struct Transfer {
   int outcome;
-  double true_altitude_rad;   // of its direction outside the air (space only)
+  double true_altitude_rad;  // of its direction outside the air (space only)
   double bending_rad;
   std::array<double, 3> column;  // air [kg/m^2], ozone and aerosol [m], as in kernels/shared/ray.h
   double distance_m, min_height_m;
@@ -21,7 +21,9 @@ struct TransferTable {
   std::size_t entries = 0, wavelengths = 0;
   std::vector<Transfer> rays;  // [entries][wavelengths]
   const Transfer &at(std::size_t entry, std::size_t wave) const { return rays[entry * wavelengths + wave]; }
-  double elevation_rad(std::size_t entry) const { return first_elevation_rad + static_cast<double>(entry) * spacing_rad; }
+  double elevation_rad(std::size_t entry) const {
+    return first_elevation_rad + static_cast<double>(entry) * spacing_rad;
+  }
 };
 
 /// Traces every elevation x wavelength of the index table from an eye at height_m.
@@ -32,7 +34,8 @@ TransferTable trace_transfer(RayTracer &tracer, const IndexTable &index, double 
 TransferTable trace_elevations(RayTracer &tracer, const IndexTable &index, double height_m,
                                const std::vector<double> &elevations_rad);
 
-/// The entries half way between those of `table`, at most `probes` of them, evenly chosen; `below` says after which entry.
+/// The entries half way between those of `table`, at most `probes` of them, evenly chosen; `below` says after which
+/// entry.
 struct TransferProbes {
   std::vector<std::size_t> below;
   std::vector<Transfer> rays;  // [probes][wavelengths]

@@ -13,23 +13,23 @@ namespace greenray {
 enum class Surface { sphere, flat };
 
 struct AtmosphereScene {
-  ProfileSpec profile;                       // key `profile`: shipped name or file, relative to the scene file; loaded and checked
-  std::string profile_source = "us76";       // as written
-  Surface surface = Surface::sphere;         // key `surface`; `radius_km` overrides profile.earth_radius_m
-  bool humidity = true;                      // false: relative humidity of the profile is ignored
-  bool extinction = true;                    // Rayleigh, ozone and aerosol along the bent path
+  ProfileSpec profile;  // key `profile`: shipped name or file, relative to the scene file; loaded and checked
+  std::string profile_source = "us76";  // as written
+  Surface surface = Surface::sphere;    // key `surface`; `radius_km` overrides profile.earth_radius_m
+  bool humidity = true;                 // false: relative humidity of the profile is ignored
+  bool extinction = true;               // Rayleigh, ozone and aerosol along the bent path
   double ozone_DU = 300.0;
-  std::optional<double> visibility_km;       // aerosol = { visibility_km | turbidity, angstrom, scale_height_m }
-  std::optional<double> turbidity;           // (molecular + aerosol) / molecular vertical optical depth at 550 nm, >= 1
+  std::optional<double> visibility_km;  // aerosol = { visibility_km | turbidity, angstrom, scale_height_m }
+  std::optional<double> turbidity;      // (molecular + aerosol) / molecular vertical optical depth at 550 nm, >= 1
   double angstrom = 1.3;
   double aerosol_scale_height_m = 1200.0;
 };
 
 struct ObserverScene {
   double height_m = 2.0;
-  double azimuth_deg = 270.0;                // from north through east
-  double altitude_deg = 0.0;                 // picture centre, apparent
-  double fov_deg = 1.0;                      // horizontal, < 180
+  double azimuth_deg = 270.0;  // from north through east
+  double altitude_deg = 0.0;   // picture centre, apparent
+  double fov_deg = 1.0;        // horizontal, < 180
   std::array<int, 2> resolution{400, 300};
 };
 
@@ -38,57 +38,60 @@ struct SunScene {
   enum class Part { centre, upper_limb, lower_limb } part = Part::centre;  // key `at`: which point has that altitude
   double altitude_deg = 0.0;
   SourcePlace altitude_place;
-  std::optional<double> azimuth_deg;         // default: the observer's
-  double diameter_arcmin = 31.9877;          // 2 x 959.63"
+  std::optional<double> azimuth_deg;  // default: the observer's
+  double diameter_arcmin = 31.9877;   // 2 x 959.63"
   bool limb_darkening = true;
 };
 
 struct SkyScene {
-  enum class Model { plain, academic } model = Model::plain;  // academic: black sky, white disk, no extinction (G04 figs 6.2, 6.3)
-  double sea_reflectance = 0.35;             // of the sky light a low view meets, waves included
+  enum class Model {
+    plain,
+    academic
+  } model = Model::plain;         // academic: black sky, white disk, no extinction (G04 figs 6.2, 6.3)
+  double sea_reflectance = 0.35;  // of the sky light a low view meets, waves included
 };
 
 struct SpectrumScene {
   std::array<double, 2> range_nm{390.0, 720.0};
-  int samples = 24;                          // spaced evenly in refractivity
+  int samples = 24;  // spaced evenly in refractivity
 };
 
 struct TracingScene {
   enum class Method { automatic, rk45, richardson } method = Method::automatic;
   enum class Transfer { table, per_pixel } transfer = Transfer::table;
   enum class Precision { automatic, single_, double_ } precision = Precision::automatic;
-  double tolerance = 1e-9;                   // local error of direction per step [rad]
-  double table_arcsec = 0.003;               // error allowed to the index table
+  double tolerance = 1e-9;      // local error of direction per step [rad]
+  double table_arcsec = 0.003;  // error allowed to the index table
   int max_steps = 20000;
-  std::optional<int> spp;                    // quality = { spp | error_pct | minutes }
+  std::optional<int> spp;  // quality = { spp | error_pct | minutes }
   std::optional<double> error_pct;
   std::optional<double> minutes;
 };
 
 struct EyeScene {
   enum class Model { human, camera, none } model = Model::camera;
-  std::optional<double> exposure_ev;         // camera: stops on top of the automatic exposure
-  std::optional<double> bleaching_seconds;   // stored for the eye stage
+  std::optional<double> exposure_ev;        // camera: stops on top of the automatic exposure
+  std::optional<double> bleaching_seconds;  // stored for the eye stage
 };
 
 struct OutputScene {
-  std::string image;                         // .exr; empty: out/<scene name>.exr
-  bool spectral = true;                      // write S0.<nm> channels
+  std::string image;     // .exr; empty: out/<scene name>.exr
+  bool spectral = true;  // write S0.<nm> channels
 };
 
 struct SweepScene {
   std::string key;
-  double from = 0, to = 0, step = 0;         // key `range`; all 0 when `values` was given instead
-  std::vector<double> values;                // the pictures to make, in order: as listed, or the range written out
+  double from = 0, to = 0, step = 0;  // key `range`; all 0 when `values` was given instead
+  std::vector<double> values;         // the pictures to make, in order: as listed, or the range written out
   SourcePlace place;
 };
 
 struct Scene {
-  std::string name;                          // file name without folder and extension
+  std::string name;  // file name without folder and extension
   std::string title;
-  std::string file;                          // where it was read from
-  std::string text;                          // the whole file, kept for the EXR header
-  std::vector<std::string> overrides;        // -D KEY=VALUE, in order
+  std::string file;                    // where it was read from
+  std::string text;                    // the whole file, kept for the EXR header
+  std::vector<std::string> overrides;  // -D KEY=VALUE, in order
   AtmosphereScene atmosphere;
   ObserverScene observer;
   SunScene sun;
@@ -97,8 +100,8 @@ struct Scene {
   TracingScene tracing;
   EyeScene eye;
   OutputScene output;
-  std::vector<SweepScene> sweeps;            // used by `greenray batch`
-  std::vector<std::string> notes;            // warnings to print once
+  std::vector<SweepScene> sweeps;  // used by `greenray batch`
+  std::vector<std::string> notes;  // warnings to print once
 };
 
 }  // namespace greenray

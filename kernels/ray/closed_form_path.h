@@ -1,5 +1,6 @@
-/* A whole ray from its two halves: the layers above the eye and those below. A ray that turns comes back along the mirror image
-   of its way, so its sums count twice and it goes on to the other side of the eye; one that turns on both sides is trapped. */
+/* A whole ray from its two halves: the layers above the eye and those below. A ray that turns comes back along the
+   mirror image of its way, so its sums count twice and it goes on to the other side of the eye; one that turns on both
+   sides is trapped. */
 
 typedef struct LayerPath {
   LayerSums up, down;

@@ -111,8 +111,8 @@ DEVICE void start_march(March *w, INDEX_TABLE table, GLOBAL const RayStart *rays
   w->start_potential = potential(&w->medium, w->y.above_m);
 }
 
-/* From within the landing tolerance exactly onto the edge ahead, by the ray's parabola; returns the lanes that are there.
-   A ray that turns before the edge, however close, does not reach it: it stays in its cell. */
+/* From within the landing tolerance exactly onto the edge ahead, by the ray's parabola; returns the lanes that are
+   there. A ray that turns before the edge, however close, does not reach it: it stays in its cell. */
 DEVICE mask move_onto_edge(March *w, mask close) {
   const CellLanes *c = &w->medium.cell;
   const RaySlope slope = derivative(&w->medium, w->y.above_m, w->y.rise);
