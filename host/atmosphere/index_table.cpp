@@ -51,7 +51,7 @@ class Builder {
       if (kink < top_m) edges.push_back(kink);
     edges.push_back(top_m);
     for (std::size_t i = 0; i + 1 < edges.size(); ++i) place(edges[i], edges[i + 1]);
-    if (options_.observer_m > top_m) knots_.push_back({top_m, options_.observer_m * 1.001 + 1});
+    if (options_.observer_m > top_m) knots_.push_back({top_m, options_.observer_m + 0.01});
     table_.cells_per_row = knots_.size();
     for (double wavelength : table_.wavelength_nm) fill_row(wavelength);
     table_.bound_arcsec = to_arcsec(worst_rad_);

@@ -107,6 +107,11 @@ double Profile::hydrostatic_rate(double height_m, double pressure_Pa) const {
   double slope = 0;
   const double rh = relative_humidity(height_m, slope);
   const double vapour = rh > 0 ? rh * saturation_vapour_Pa(t.value, pressure_Pa).value : 0;
+  if (vapour > 0.5 * pressure_Pa)
+    throw InputError(spec_.place, "at " + std::to_string(height_m) +
+                                      " m the humidity would make most of the air vapour (" + std::to_string(vapour) +
+                                      " of " + std::to_string(pressure_Pa) +
+                                      " Pa): expected a lower relative_humidity or temperature_K");
   const double virtual_K = t.value / (1 - vapour_deficit * vapour / pressure_Pa);
   const double gravity = us76::earth_radius_m / (us76::earth_radius_m + height_m);
   return -us76::hydrostatic_K_m * gravity * gravity / virtual_K;

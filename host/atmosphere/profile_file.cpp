@@ -175,7 +175,7 @@ ProfileSpec read_toml(const std::string &file, std::string_view text) {
   ProfileSpec spec;
   root.read_word("index", spec.index, index_model_words());
   root.read("earth_radius_m", spec.earth_radius_m, {1e3, 1e9, "m"});
-  root.read("surface_pressure_Pa", spec.surface_pressure_Pa, {0, 1e7, "Pa"});
+  root.read("surface_pressure_Pa", spec.surface_pressure_Pa, {0, 1e7, "Pa", true});
   root.read_word("interpolation", spec.interpolation,
                  {{"linear", Interpolation::linear}, {"cubic", Interpolation::cubic}});
   root.read("smooth_m", spec.smooth_m, {0, 1e5, "m"});

@@ -156,6 +156,9 @@ int run(const Arguments &a) {
   };
   const Rendered rendered = render(scene, plan, options, device);
   progress.end();
+  if (rendered.report.sun_optical_depth.value_or(0) > 14)
+    std::cerr << "warning: haze and air dim the Sun by exp(-" << *rendered.report.sun_optical_depth
+              << "): it cannot be seen; raise atmosphere.aerosol visibility_km\n";
   if (rendered.report.table_bound_arcsec > 1.01 * scene.tracing.table_arcsec)
     std::cerr << "warning: a layer of this air is too thin for the index table: its error may reach "
               << rendered.report.table_bound_arcsec << " arcsec for rays that graze it\n";

@@ -139,7 +139,10 @@ std::shared_ptr<Device> open(const Found &f, const DeviceOptions &options) {
   state->options = options;
   try {
     state->device = options.threads ? partition(f, *options.threads) : f.device;
-    if (options.threads) state->info.compute_units = *options.threads;
+    if (options.threads && *options.threads < f.info.compute_units) {
+      state->info.compute_units = *options.threads;
+      state->info.has_images = false;  // PoCL 3.1 aborts when an image is written through a sub-device's queue
+    }
     state->context = cl::Context(state->device);
     state->queue = cl::CommandQueue(state->context, state->device);
   } catch (const cl::Error &error) {

@@ -10,7 +10,7 @@
 namespace greenray {
 namespace {
 
-constexpr double finest_spacing_arcsec = 4;  // of the transfer table, also for coarse pixels
+constexpr double finest_spacing_arcsec = 1;  // of the transfer table, also for coarse pixels
 constexpr std::size_t most_entries = 32768;
 
 std::array<int, 2> picture_size(const Scene &scene, const RenderOptions &options) {

@@ -96,7 +96,9 @@ RefractionRow make_row(const RefractionRequest &request, std::size_t i, const f6
     if (zenith_column > 0) row.air_mass = end.column[0] / zenith_column;
   }
   if (end.outcome == f64::RAY_SPACE) row.true_altitude_deg = row.apparent_altitude_deg - to_deg(end.bending_rad);
-  row.min_height_m = f64::geometric_height_m(end.min_z_m, curvature_per_m);
+  row.min_height_m = std::max(0.0, f64::geometric_height_m(end.min_z_m, curvature_per_m));
+  if (std::abs(row.min_height_m - request.height_m) < 1e-6 * std::max(1.0, request.height_m))
+    row.min_height_m = request.height_m;  // float knows the eye's height to 7 digits
   row.max_height_m = f64::geometric_height_m(end.max_z_m, curvature_per_m);
   return row;
 }
@@ -131,6 +133,7 @@ RefractionTable refraction_table(const Profile &profile, const RefractionRequest
   result.stats = kept.stats;
   for (std::size_t i = 0; i < kept.ends.size(); ++i) {
     RefractionRow row = make_row(request, i, kept.ends[i], curvature, zenith);
+    row.max_height_m = std::min(row.max_height_m, std::max(profile.top_m(request.flat), request.height_m));
     row.error_arcsec = error_of(kept.ends[i], check.ends[i]);
     if (row.outcome == f64::RAY_SPACE) {
       result.error_arcsec = std::max(result.error_arcsec, row.error_arcsec);

@@ -4,10 +4,10 @@
 #include <chrono>
 #include <cmath>
 
-#include "atmosphere/diagnosis.hpp"
 #include "render/host_rays.hpp"
 #include "render/refraction.hpp"
 #include "render/sky.hpp"
+#include "render/sun_place.hpp"
 #include "support/angle.hpp"
 
 namespace greenray {
@@ -18,35 +18,7 @@ double seconds_since(Clock::time_point begin) { return std::chrono::duration<dou
 
 std::atomic<bool> stop_flag{false};
 
-constexpr double reference_nm = 550;  // at which altitudes of Sun and horizon are given
 constexpr std::size_t lookup_probes = 64;
-
-ProfileSpec spec_for(const Scene &scene, const RenderOptions &options) {
-  ProfileSpec spec = scene.atmosphere.profile;
-  if (options.straight) spec.exaggerate = 0;
-  if (!scene.atmosphere.humidity)
-    for (Level &level : spec.levels) level.relative_humidity.reset();
-  return spec;
-}
-
-IndexTable reference_table(const Scene &scene, const Profile &profile) {
-  return build_index_table(profile, {reference_nm},
-                           {scene.atmosphere.surface == Surface::flat, 1e-5, scene.observer.height_m});
-}
-
-/// True altitude of the point of the Sun that the scene names: given, or along the ray at 550 nm from its apparent
-/// place.
-double true_altitude_rad(const Scene &scene, const IndexTable &reference) {
-  const double given = to_rad(scene.sun.altitude_deg);
-  if (scene.sun.given != SunScene::Given::apparent_altitude) return given;
-  const f64::RayEnd end = trace_on_host(reference, 0, scene.observer.height_m, given);
-  if (end.outcome == f64::RAY_SPACE) return given - end.bending_rad;
-  const double horizon_deg = to_deg(horizon_rad(reference, scene.observer.height_m).value_or(0));
-  throw InputError(scene.sun.altitude_place, "sun.apparent_altitude_deg = " + plain_number(scene.sun.altitude_deg) +
-                                                 ": light from there comes from the " + outcome_name(end.outcome) +
-                                                 ", not from the sky; expected an altitude above the horizon (" +
-                                                 plain_number(horizon_deg) + " deg at 550 nm)");
-}
 
 class Renderer {
  public:
@@ -83,19 +55,10 @@ class Renderer {
   }
 
   void place_sun() {
-    const SunScene &sun = scene_.sun;
     const std::optional<double> horizon = horizon_rad(reference_, scene_.observer.height_m);
     if (horizon) report_.horizon_altitude_deg = to_deg(*horizon);
-    sun_.radius_rad = to_rad(sun.diameter_arcmin / 60) / 2;
-    if (sun.given == SunScene::Given::nothing) return;
-    sun_.shines = true;
-    const double offset = sun.part == SunScene::Part::upper_limb   ? -sun_.radius_rad
-                          : sun.part == SunScene::Part::lower_limb ? sun_.radius_rad
-                                                                   : 0;
-    sun_.true_altitude_rad = true_altitude_rad(scene_, reference_) + offset;
-    double azimuth = sun.azimuth_deg.value_or(scene_.observer.azimuth_deg) - scene_.observer.azimuth_deg;
-    azimuth -= 360 * std::round(azimuth / 360);
-    sun_.azimuth_rad = to_rad(azimuth);
+    sun_ = place_of_sun(scene_, reference_);
+    if (!sun_.shines) return;
     report_.sun_true_altitude_deg = to_deg(sun_.true_altitude_rad);
     if (const auto seen = apparent_altitude_rad(reference_, scene_.observer.height_m, sun_.true_altitude_rad, horizon))
       report_.sun_apparent_altitude_deg = to_deg(*seen);
@@ -135,6 +98,7 @@ class Renderer {
     const double height_m = scene_.observer.height_m;
     transfer_ = trace_transfer(tracer, table_, height_m, to_rad(plan_.first_elevation_deg),
                                from_arcsec(plan_.spacing_arcsec), plan_.entries);
+    find_edges(transfer_, table_, height_m);
     report_.trace = tracer.stats();  // of the picture's own rays; those below are measurements
     probes_ = probe_between(tracer, table_, height_m, transfer_, lookup_probes);
     report_.lookup_arcsec = lookup_error_arcsec(transfer_, probes_);
@@ -183,6 +147,7 @@ class Renderer {
     const std::vector<SpectralAir> air = spectral_air(scene_, plan_.wavelengths_nm);
     const int waves = padded_waves(*device_, static_cast<int>(plan_.wavelengths_nm.size()));
     const SkyTable sky = make_sky_table(scene_, transfer_, towards_sun_, at_10_degrees_, air, sun_, waves);
+    if (sun_.shines) report_.sun_optical_depth = optical_depth(towards_sun_[air.size() / 2], air[air.size() / 2]);
     measure_bias(sky, air, waves);
     if (scene_.tracing.transfer == TracingScene::Transfer::per_pixel) {
       shade_per_pixel(air);
@@ -340,7 +305,7 @@ class Renderer {
     for (std::size_t k = 0; k < between.entries; ++k)
       for (std::size_t w = 0; w < air.size(); ++w) {
         const float *a = &sky.values[probes_.below[k] * entry + w], *b = a + entry, *t = &truth.values[k * entry + w];
-        if (a[f32::SKY_JOINED * n] < 0.5f) continue;
+        if (a[f32::SKY_JOINED * n] < 1.0f) continue;
         for (std::size_t c : {f32::SKY_SUN * n, f32::SKY_GLOW * n}) {
           const double difference = 0.5 * (static_cast<double>(a[c]) + b[c]) - t[c];
           error += difference * difference;
@@ -396,11 +361,6 @@ void request_stop() { stop_flag = true; }
 bool stop_requested() { return stop_flag; }
 void stop_if_asked() {
   if (stop_flag) throw Interrupted();
-}
-
-void require_sun_in_sky(const Scene &scene, const RenderOptions &options) {
-  if (scene.sun.given == SunScene::Given::apparent_altitude)
-    (void)true_altitude_rad(scene, reference_table(scene, Profile(spec_for(scene, options))));
 }
 
 Rendered render(const Scene &scene, const RenderPlan &plan, const RenderOptions &options,

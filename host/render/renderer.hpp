@@ -53,6 +53,7 @@ struct RenderReport {
   std::size_t table_cells = 0;
   double table_bound_arcsec = 0;                                  // the builder's own, worst grazing ray
   double table_arcsec = 0, solver_arcsec = 0, lookup_arcsec = 0;  // errors
+  std::optional<double> sun_optical_depth;                        // on the Sun's own path, at the middle wavelength
   double noise_rms = 0, bias = 0;                                 // relative to the mean radiance
   int spp = 0;
   std::optional<double> sun_true_altitude_deg, sun_apparent_altitude_deg;  // of its centre, at 550 nm

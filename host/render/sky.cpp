@@ -58,13 +58,19 @@ class SkyMaker {
   }
 
  private:
-  /// Irradiance that reaches the air the eye looks through: the Sun's, dimmed by half the depth of its own path.
+  /// Irradiance on the air the eye looks through. Air and haze pass light on by many scatterings (two-stream,
+  /// conservative: 1/(1 + 3/4 tau (1-g))), ozone absorbs it; below the horizon it falls by a factor 2.8 a degree, as
+  /// twilight does.
   double sunlight_on_air(std::size_t wave) const {
     const SpectralAir &air = air_[wave];
     double mean = 0;
     for (std::size_t k = 0; k < air.limb.size(); ++k) mean += 2 * air.limb[k] / static_cast<double>(k + 2);
     const double outside = air.sun_centre_radiance * mean * pi * sun_.radius_rad * sun_.radius_rad;
-    return outside * std::exp(-0.5 * depth_of(towards_sun_[wave], air).total());
+    const Transfer &ray = towards_sun_[wave];
+    const Depth depth = depth_of(ray, air);
+    const double passed = 1 / (1 + 0.75 * (depth.rayleigh + (1 - aerosol_asymmetry) * depth.aerosol));
+    const double set_deg = std::max(0.0, to_deg(ray.true_altitude_rad - sun_.true_altitude_rad) - 0.3);
+    return outside * passed * std::exp(-depth.ozone) * std::pow(10, -0.45 * set_deg);
   }
 
   const Scene &scene_;
@@ -74,6 +80,8 @@ class SkyMaker {
 };
 
 }  // namespace
+
+double optical_depth(const Transfer &ray, const SpectralAir &air) { return depth_of(ray, air).total(); }
 
 SkyTable make_sky_table(const Scene &scene, const TransferTable &transfer, const std::vector<Transfer> &towards_sun,
                         const std::vector<Transfer> &at_10_degrees, const std::vector<SpectralAir> &air,
@@ -93,8 +101,7 @@ SkyTable make_sky_table(const Scene &scene, const TransferTable &transfer, const
       float *at = &table.values[e * f32::SKY_CHANNEL_COUNT * padded + w];
       const std::array<double, 4> channels = maker.channels(transfer.at(e, w), w);
       for (std::size_t c = 0; c < channels.size(); ++c) at[c * padded] = static_cast<float>(channels[c]);
-      const bool last = e + 1 == transfer.entries;
-      at[f32::SKY_JOINED * padded] = last || joined(transfer.at(e, w), transfer.at(e + 1, w)) ? 1.0f : 0.0f;
+      at[f32::SKY_JOINED * padded] = transfer.edges.empty() ? 1.0f : transfer.edges[e * air.size() + w];
     }
   return table;
 }

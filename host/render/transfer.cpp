@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/host_rays.hpp"
 #include "render/launch.hpp"
 #include "support/angle.hpp"
 
@@ -52,6 +53,22 @@ TransferTable trace_transfer(RayTracer &tracer, const IndexTable &index, double 
   return table;
 }
 
+void find_edges(TransferTable &table, const IndexTable &index, double height_m) {
+  table.edges.assign(table.rays.size(), 1.0f);
+  for (std::size_t e = 0; e + 1 < table.entries; ++e)
+    for (std::size_t w = 0; w < table.wavelengths; ++w) {
+      if (joined(table.at(e, w), table.at(e + 1, w))) continue;
+      double low = 0, high = 1;
+      for (int i = 0; i < 12; ++i) {
+        const double middle = 0.5 * (low + high);
+        const double elevation = table.elevation_rad(e) + middle * table.spacing_rad;
+        const bool below = trace_on_host(index, w, height_m, elevation).outcome == table.at(e, w).outcome;
+        (below ? low : high) = middle;
+      }
+      table.edges[e * table.wavelengths + w] = static_cast<float>(std::min(0.5 * (low + high), 0.999));
+    }
+}
+
 TransferTable trace_elevations(RayTracer &tracer, const IndexTable &index, double height_m,
                                const std::vector<double> &elevations_rad) {
   TransferTable table;
@@ -81,7 +98,9 @@ double lookup_error_arcsec(const TransferTable &table, const TransferProbes &pro
       const Transfer &a = table.at(probes.below[k], w), &b = table.at(probes.below[k] + 1, w);
       const Transfer &middle = probes.rays[k * table.wavelengths + w];
       if (a.outcome != f64::RAY_SPACE || !joined(a, b) || !joined(a, middle)) continue;
-      worst = std::max(worst, std::abs(0.5 * (a.true_altitude_rad + b.true_altitude_rad) - middle.true_altitude_rad));
+      const double stretch = std::abs(b.true_altitude_rad - a.true_altitude_rad) / table.spacing_rad;
+      const double miss = std::abs(0.5 * (a.true_altitude_rad + b.true_altitude_rad) - middle.true_altitude_rad);
+      worst = std::max(worst, miss / std::max(1.0, stretch));
     }
   return to_arcsec(worst);
 }

@@ -20,6 +20,7 @@ struct TransferTable {
   double first_elevation_rad = 0, spacing_rad = 0;
   std::size_t entries = 0, wavelengths = 0;
   std::vector<Transfer> rays;  // [entries][wavelengths]
+  std::vector<float> edges;    // [entries][wavelengths]: 1, or where to the next entry the outcome changes (below 1)
   const Transfer &at(std::size_t entry, std::size_t wave) const { return rays[entry * wavelengths + wave]; }
   double elevation_rad(std::size_t entry) const {
     return first_elevation_rad + static_cast<double>(entry) * spacing_rad;
@@ -29,6 +30,9 @@ struct TransferTable {
 /// Traces every elevation x wavelength of the index table from an eye at height_m.
 TransferTable trace_transfer(RayTracer &tracer, const IndexTable &index, double height_m, double first_elevation_rad,
                              double spacing_rad, std::size_t entries);
+
+/// Finds the edges between entries of different outcome by bisection, in double on the host.
+void find_edges(TransferTable &table, const IndexTable &index, double height_m);
 
 /// The same for any elevations, unevenly spaced (first_elevation_rad and spacing_rad are left 0).
 TransferTable trace_elevations(RayTracer &tracer, const IndexTable &index, double height_m,
@@ -43,7 +47,8 @@ struct TransferProbes {
 TransferProbes probe_between(RayTracer &tracer, const IndexTable &index, double height_m, const TransferTable &table,
                              std::size_t probes);
 
-/// Largest error [arcsec] of true altitude when joined entries are interpolated half way.
+/// Largest error [arcsec] of true altitude when joined entries are interpolated half way, over max(1, |d true/d
+/// apparent|): near a fold, the direction that is seen wrongly.
 double lookup_error_arcsec(const TransferTable &table, const TransferProbes &probes);
 
 /// May the two be interpolated? Same outcome and turning points of the same kind.

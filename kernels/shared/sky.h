@@ -6,7 +6,7 @@ enum SkyChannel {
   SKY_SUN = 1,      /* radiance of the centre of the Sun's disk seen this way [W m^-2 sr^-1 nm^-1]; 0 off the sky */
   SKY_GLOW = 2,     /* radiance of sky or sea that does not depend on the angle from the Sun */
   SKY_AUREOLE = 3,  /* forward-scattered light, to be multiplied by the aerosol's phase function */
-  SKY_JOINED = 4,   /* 1: interpolate to the next entry; 0: an edge lies between (horizon, trapped band) */
+  SKY_JOINED = 4,   /* 1: interpolate to the next entry; less: the fraction of the way at which the outcome changes */
   SKY_CHANNEL_COUNT = 5
 };
 

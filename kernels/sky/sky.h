@@ -67,7 +67,8 @@ DEVICE real sky_radiance(const SkyView *v, GLOBAL const float *table, GLOBAL con
   GLOBAL const float *here = table + (entry * SKY_CHANNEL_COUNT) * waves + wave;
   GLOBAL const float *next = here + SKY_CHANNEL_COUNT * waves;
   const real joined = load_waves(here + SKY_JOINED * waves);
-  const real f = joined > R(0.5) ? SPREAD(fraction) : SPREAD(fraction < 0.5f ? 0.0f : 1.0f);
+  const real beside = SPREAD(fraction) < joined ? SPREAD(0) : SPREAD(1);
+  const real f = joined >= R(1) ? SPREAD(fraction) : beside;
   real value[4];
   for (int c = 0; c < 4; ++c) {
     const real a = load_waves(here + c * waves), b = load_waves(next + c * waves);

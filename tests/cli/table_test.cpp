@@ -40,6 +40,22 @@ TEST_F(Tables, RefractionHeaderAndOrder) {
   for (std::size_t i = 0; i < 10; ++i) expect_begin(table, i + 1, begin[i]);
 }
 
+// oracle: the contract: --threads takes part of a CPU device, and the bits do not depend on it; every method, both
+//         precisions (PoCL aborted here when an image was written through a sub-device).  tolerance: none
+TEST_F(Tables, FewerThreadsSameBits) {
+  for (const std::string precision : {"float", "double"})
+    for (const std::string method : {"cells", "rk", "richardson"}) {
+      const Words words{"refraction", "us76",          "--height",    "2",           "--altitudes",
+                        "0:2:0.0002", "--wavelengths", "550",         "--precision", precision,
+                        "--method",   method,          "--tolerance", "0.01"};
+      Words one = words;
+      one.insert(one.end(), {"--threads", "1"});
+      const Outcome all = run(words), part = run(one);
+      EXPECT_EQ(part.code, 0) << method << " " << part.err;
+      EXPECT_TRUE(all.out == part.out) << method << " " << precision;
+    }
+}
+
 // oracle: numerics.md, section 4: 1982.156" at the horizon, 550 nm.  tolerance: half of the last digit given
 TEST_F(Tables, RefractionJsonAndFile) {
   const Words words{"refraction", "us76", "--height", "0", "--altitudes", "0", "--wavelengths", "550"};
