@@ -154,7 +154,7 @@ const std::vector<Wrong> wrong_profiles{
     {"earth_radius_m = \"6371 km\"", 1, 18, "found text \"6371 km\""},
     {"earth_radius_m = nan", 1, 18, "found nan"},
     {"surface_pressure_Pa = inf", 1, 23, "found inf"},
-    {"surface_pressure_Pa = -1", 1, 23, "from 0 to 1e+07 Pa, found -1"},
+    {"surface_pressure_Pa = -1", 1, 23, "above 0 and at most 1e+07 Pa, found -1"},
     {"interpolation = \"spline\"", 1, 17, "expected one of linear, cubic"},
     {"smooth_m = -0.5", 1, 12, "a number from 0 to"},
     {"exaggerate = 0", 1, 14, "above 0"},

@@ -272,7 +272,7 @@ std::vector<Wrong> wrong_scenes() {
       scene("AerosolTwice", "\"us76\"", "\"us76\"\naerosol = { visibility_km = 3, turbidity = 2 }", "2 }",
             "either visibility_km or turbidity"),
       scene("FieldNotBuilt", "\"us76\"", "\"us76\"\nfield = { kind = \"layers\" }", "{ kind", "geometry"),
-      scene("SunBelowHorizon", "deg = 0.2\n[spe", "deg = -0.9\n[spe", "-0.9", "above the horizon (-0.0414 deg"),
+      scene("SunBelowHorizon", "deg = 0.2\n[spe", "deg = -0.9\n[spe", "-0.9", "the horizon is at -0.0414 deg"),
       scene("SunTwice", "deg = 0.2\n[spe", "deg = 0.2\naltitude_deg = 0.1\n[spe", "0.2\naltitude", "found both"),
       scene("SunByDate", "apparent_altitude_deg = 0.2", "when = 2024-06-21T20:31:05Z", "2024", "not built yet"),
       scene("SunWithoutAltitude", "apparent_altitude_deg = 0.2\n", "", "[sun]", "or apparent_altitude_deg"),
