@@ -1,7 +1,10 @@
 #include "bench/device_methods.hpp"
 
+#include <cmath>
 #include <sstream>
 
+#include "atmosphere/layer_table.hpp"
+#include "compute/layer_tracer.hpp"
 #include "compute/ray_tracer.hpp"
 
 namespace greenray::bench {
@@ -28,6 +31,50 @@ class DeviceRunner : public Runner {
   std::vector<f64::RayEnd> ends_;
   double kernel_seconds_ = 0;
 };
+
+/// Layers in closed form: elevations of the starts, the index table as the fine truth below the layers.
+class LayerRunner : public Runner {
+ public:
+  LayerRunner(const std::shared_ptr<Device> &device, const IndexTable &table, Precision precision, double error_arcsec,
+              std::span<const f64::RayStart> starts)
+      : tracer_(device, layers_for(table, error_arcsec, starts), precision, {}, false) {
+    for (const f64::RayStart &start : starts) elevations_rad_.push_back(std::atan2(start.rise, start.run));
+    (void)tracer_.trace(std::span(elevations_rad_).first(1));  // compiles
+  }
+  void run() override {
+    const double before = tracer_.stats().device_seconds;
+    ends_ = tracer_.trace(elevations_rad_);
+    kernel_seconds_ = tracer_.stats().device_seconds - before;
+  }
+  Bent result(std::size_t ray) const override { return {ends_[ray].bending_rad, ends_[ray].outcome, 0}; }
+  double kernel_seconds() const override { return kernel_seconds_; }
+
+ private:
+  static LayerTable layers_for(const IndexTable &table, double error_arcsec, std::span<const f64::RayStart> starts) {
+    const double eye_m = table.cell(0, static_cast<std::size_t>(starts[0].cell)).bottom_m + starts[0].above_m;
+    return build_layer_table(table, place_layers(table, 0, eye_m, error_arcsec), eye_m, {});
+  }
+  LayerTracer tracer_;
+  std::vector<double> elevations_rad_;
+  std::vector<f64::RayEnd> ends_;
+  double kernel_seconds_ = 0;
+};
+
+void add_layers(std::vector<Method> &methods, const std::shared_ptr<Device> &device, Precision precision,
+                const std::vector<double> &errors_arcsec) {
+  const bool is_double = precision == Precision::double_;
+  const int lanes = is_double ? device->lanes().lanes_double : device->lanes().lanes_float;
+  for (double error_arcsec : errors_arcsec) {
+    std::ostringstream words;
+    words << "closed form " << (is_double ? "double" : "float") << " " << lanes << (lanes == 1 ? " lane" : " lanes")
+          << ", layers " << error_arcsec << "\"";
+    methods.push_back(
+        {"", "", words.str(), device_words(*device), error_arcsec / 30, 0,
+         [device, precision, error_arcsec](const IndexTable &table, std::span<const f64::RayStart> starts) {
+           return std::make_unique<LayerRunner>(device, table, precision, error_arcsec, starts);
+         }});
+  }
+}
 
 struct Point {
   double table_arcsec, tolerance_rad;
@@ -94,6 +141,11 @@ std::vector<Method> device_methods(const DeviceOptions &options, bool few) {
     add(methods, device, fine, some(rk_double));
     if (!few) add(methods, device, fine_paper, richardson_double);
   }
+  add_layers(methods, device, Precision::single_,
+             few ? std::vector<double>{0.01} : std::vector<double>{0.3, 0.03, 0.01, 0.003, 0.001});
+  if (device->info().has_double)
+    add_layers(methods, device, Precision::double_,
+               few ? std::vector<double>{0.01} : std::vector<double>{0.01, 1e-3, 1e-4, 1e-6});
   if (few || options.lanes || device->lanes().lanes_float == 1) return methods;
   DeviceOptions scalar = options;
   scalar.lanes = 1;

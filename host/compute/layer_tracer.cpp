@@ -129,7 +129,8 @@ struct LayerTracer::State {
   template <class Scalar, class End>
   double launch(Buffer<Scalar> &sines, Buffer<Scalar> &cosines, Buffer<End> &ends, std::size_t count) {
     const int lane_count = static_cast<int>(lanes());
-    const cl::Program program = build_program(device, {"closed_form", lane_count, is_double(), false, false, true});
+    const cl::Program program =
+        build_program(device, {"closed_form", lane_count, is_double(), false, false, with_columns});
     try {
       cl::Kernel kernel(program, "trace_layers");
       kernel.setArg(0, above);
@@ -157,16 +158,17 @@ struct LayerTracer::State {
   Precision precision;
   std::size_t rows;
   int layers_above, layers_below;
-  bool warm = false;
+  bool warm = false, with_columns = true;
   std::function<void()> between_batches;
   cl::Buffer above, below, row_buffer;
   TraceStats stats;
 };
 
 LayerTracer::LayerTracer(std::shared_ptr<Device> device, const LayerTable &table, Precision precision,
-                         std::function<void()> between_batches)
+                         std::function<void()> between_batches, bool with_columns)
     : state_(std::make_unique<State>(std::move(device), table, precision)) {
   state_->between_batches = std::move(between_batches);
+  state_->with_columns = with_columns;
 }
 LayerTracer::~LayerTracer() = default;
 const TraceStats &LayerTracer::stats() const { return state_->stats; }

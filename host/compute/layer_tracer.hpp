@@ -12,8 +12,9 @@ namespace greenray {
 class LayerTracer {
  public:
   /// between_batches may throw to stop.
+  /// with_columns false: bending, outcome and turning points only, everything else stays 0.
   LayerTracer(std::shared_ptr<Device> device, const LayerTable &table, Precision precision,
-              std::function<void()> between_batches = {});
+              std::function<void()> between_batches = {}, bool with_columns = true);
   ~LayerTracer();
 
   /// One end per elevation [rad] and wavelength, [elevations][wavelengths]. Fields that only a stepping solver has

@@ -58,8 +58,15 @@ typedef struct LayerSums {
   mask turned;
 } LayerSums;
 
+/* Bending alone where nothing else is wanted: it is the first quantity. */
+#if WITH_COLUMNS
+#define LAYER_QUANTITIES_SUMMED LAYER_QUANTITIES
+#else
+#define LAYER_QUANTITIES_SUMMED 1
+#endif
+
 DEVICE void add_layer(LayerSums *s, GLOBAL const Layer *layer, LayerFactors f) {
-  for (int q = 0; q < LAYER_QUANTITIES; ++q)
+  for (int q = 0; q < LAYER_QUANTITIES_SUMMED; ++q)
     s->value[q] += layer->mean[q] * f.mean + layer->tilt[q] * f.tilt + layer->bow[q] * f.bow;
 }
 
