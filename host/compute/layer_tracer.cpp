@@ -6,6 +6,7 @@
 
 #include "compute/buffer.hpp"
 #include "compute/program.hpp"
+#include "compute/ray_end.hpp"
 #include "support/error.hpp"
 
 namespace greenray {
@@ -27,26 +28,6 @@ void append_side(std::vector<Layer> &out, const LayerSide &side) {
     out.push_back(layer);
   }
 }
-
-f64::RayEnd widened(const f32::RayEnd &e) {
-  return {e.above_m,
-          e.run,
-          e.rise,
-          e.sigma_m,
-          e.bending_rad,
-          e.optical_path_m,
-          {e.column[0], e.column[1], e.column[2]},
-          e.min_z_m,
-          e.max_z_m,
-          e.solver_error_rad,
-          e.bouguer_drift,
-          e.cell,
-          e.outcome,
-          e.turning_points,
-          e.steps,
-          e.rejected};
-}
-f64::RayEnd widened(const f64::RayEnd &e) { return e; }
 
 }  // namespace
 

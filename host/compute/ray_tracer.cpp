@@ -6,6 +6,7 @@
 
 #include "compute/buffer.hpp"
 #include "compute/program.hpp"
+#include "compute/ray_end.hpp"
 #include "support/error.hpp"
 
 namespace greenray {
@@ -45,25 +46,6 @@ f32::RayStart narrowed(const f64::RayStart &s) {
           static_cast<float>(s.sigma_end_m),
           s.row,
           s.cell};
-}
-
-f64::RayEnd widened(const f32::RayEnd &e) {
-  return {e.above_m,
-          e.run,
-          e.rise,
-          e.sigma_m,
-          e.bending_rad,
-          e.optical_path_m,
-          {e.column[0], e.column[1], e.column[2]},
-          e.min_z_m,
-          e.max_z_m,
-          e.solver_error_rad,
-          e.bouguer_drift,
-          e.cell,
-          e.outcome,
-          e.turning_points,
-          e.steps,
-          e.rejected};
 }
 
 cl::Image2D upload_image(Device::State &device, const IndexTable &table, const std::vector<f32::IndexCell> &cells) {
@@ -205,8 +187,8 @@ struct RayTracer::State {
     }  // too few rays to measure: the buffer, undecided
   }
 
-  template <class Start, class End, class Narrow, class Widen>
-  std::vector<f64::RayEnd> run(std::span<const f64::RayStart> all, Narrow narrow, Widen widen) {
+  template <class Start, class End, class Narrow>
+  std::vector<f64::RayEnd> run(std::span<const f64::RayStart> all, Narrow narrow) {
     std::vector<f64::RayEnd> results;
     results.reserve(all.size());
     if (all.empty()) return results;
@@ -227,7 +209,7 @@ struct RayTracer::State {
       warm_up(use_image, starts, ends);
       stats.device_seconds += launch(use_image, starts, ends, count);
       ends.read(host_ends.data(), count);
-      for (std::size_t i = 0; i < count; ++i) note(results.emplace_back(widen(host_ends[i])));
+      for (std::size_t i = 0; i < count; ++i) note(results.emplace_back(widened(host_ends[i])));
     }
     return results;
   }
@@ -253,9 +235,8 @@ const Device &RayTracer::device() const { return *state_->owner; }
 
 std::vector<f64::RayEnd> RayTracer::trace(std::span<const f64::RayStart> starts) {
   if (state_->is_double())
-    return state_->run<f64::RayStart, f64::RayEnd>(
-        starts, [](const f64::RayStart &s) { return s; }, [](const f64::RayEnd &e) { return e; });
-  return state_->run<f32::RayStart, f32::RayEnd>(starts, narrowed, widened);
+    return state_->run<f64::RayStart, f64::RayEnd>(starts, [](const f64::RayStart &s) { return s; });
+  return state_->run<f32::RayStart, f32::RayEnd>(starts, narrowed);
 }
 
 }  // namespace greenray
