@@ -163,9 +163,6 @@ struct RayTracer::State {
   template <class Start, class End>
   void warm_up(bool image, Buffer<Start> &starts, Buffer<End> &ends) {
     if (kernels.count(image)) return;
-    const double built = device.compile_seconds;
-    (void)kernel(image);
-    (void)built;
     device.compile_seconds += launch(image, starts, ends, 1);
   }
 

@@ -30,7 +30,6 @@ typedef struct TraceSettings {
 typedef struct March {
   Medium medium;
   RayState y;
-  RayState start;
   mask row, cell, outcome;
   mask heading; /* all bits (1 when scalar): rising */
   mask turning_points, steps, rejected;
@@ -99,7 +98,6 @@ DEVICE void start_march(March *w, INDEX_TABLE table, GLOBAL const RayStart *rays
 #if WITH_COLUMNS
   w->y.column[0] = w->y.column[1] = w->y.column[2] = zero;
 #endif
-  w->start = w->y;
   w->outcome = w->turning_points = w->steps = w->rejected = SPREAD_INT(0);
   w->sigma_m = w->solver_error_rad = zero;
   load_cells(table, w->row, w->cell, settings->cells_per_row, &w->medium.cell);

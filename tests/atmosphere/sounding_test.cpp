@@ -1,4 +1,5 @@
 // Soundings: six samples of one made-up ascent agree; every damaged variant gives a valid profile or one InputError.
+// Long because it is one table: every damage a row beside the samples it is made from.
 #include "atmosphere/sounding.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
 // Wrong command lines, scenes, profiles and soundings: exit 2, a place, what was expected, and nothing left behind.
+// Long because it is one table.
 #include <algorithm>
 #include <ostream>
 #include <regex>

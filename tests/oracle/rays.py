@@ -1,5 +1,7 @@
 """Two independent routes to the same ray through stratified air.
 
+Long because both routes share one description of the air's cells and must stay comparable line by line.
+
 (a) `ode`: Dormand-Prince 8(5,3) in arc length with ln P as part of the state; every cell edge and turning point
     is located as the end of a step.
 (b) `quad`: Bouguer's invariant and integrals over height, sin^2 b = s0^2 + c0^2 (1 - exp(-2 ln(n r / n0 r0))),
