@@ -52,7 +52,7 @@ struct TraceRequest {
   double height_m = 0;
   std::vector<double> altitudes_deg, wavelengths_nm, distances_m;
   Precision precision = Precision::double_;
-  Integrator integrator = Integrator::dormand_prince;
+  RayMethod method = RayMethod::cells;
   double tolerance_arcsec = 1e-4;
   bool flat = false;
 };
