@@ -71,13 +71,13 @@ void add_layers(std::vector<Method> &methods, const std::shared_ptr<Device> &dev
     std::ostringstream words;
     words << "closed form " << (is_double ? "double" : "float") << " " << lanes << (lanes == 1 ? " lane" : " lanes")
           << ", layers " << error_arcsec << "\"";
-    methods.push_back(
-        {"", "", words.str(), device_words(*device), error_arcsec / 30, 0,
-         [device, is_double, error_arcsec](const IndexTable &table,
-                                           std::span<const f64::RayStart> starts) -> std::unique_ptr<Runner> {
-           if (is_double) return std::make_unique<LayerRunner<double>>(device, table, error_arcsec, starts);
-           return std::make_unique<LayerRunner<float>>(device, table, error_arcsec, starts);
-         }});
+    methods.push_back({"", "", words.str(), device_words(*device), error_arcsec / 30, 0,
+                       [device, is_double, error_arcsec](
+                           const IndexTable &table, std::span<const f64::RayStart> starts) -> std::unique_ptr<Runner> {
+                         if (is_double)
+                           return std::make_unique<LayerRunner<double>>(device, table, error_arcsec, starts);
+                         return std::make_unique<LayerRunner<float>>(device, table, error_arcsec, starts);
+                       }});
   }
 }
 

@@ -34,7 +34,8 @@ void append_nodes(std::vector<Node> &out, const std::vector<FarNode> &nodes) {
   for (const FarNode &data : nodes) {
     Node node;
     node.lift = static_cast<Scalar>(data.lift);
-    std::transform(data.weight.begin(), data.weight.end(), node.weight, [](double x) { return static_cast<Scalar>(x); });
+    std::transform(data.weight.begin(), data.weight.end(), node.weight,
+                   [](double x) { return static_cast<Scalar>(x); });
     out.push_back(node);
   }
 }
@@ -119,8 +120,7 @@ double LayerTracer::State::launch(cl::Kernel &kernel, std::size_t items, std::si
     const std::size_t local = static_cast<std::size_t>(device.lanes.local_size);
     const std::size_t global = (items + local - 1) / local * local;
     const auto begin = std::chrono::steady_clock::now();
-    device.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(global, rows, rays),
-                                      cl::NDRange(local, 1, 1));
+    device.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(global, rows, rays), cl::NDRange(local, 1, 1));
     device.queue.finish();
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   } catch (const cl::Error &error) {

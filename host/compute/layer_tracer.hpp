@@ -12,7 +12,8 @@ namespace greenray {
 
 class LayerTracer {
  public:
-  /// Uploads the layers. between_batches may throw to stop. Throws DeviceError if double is asked of a device without it.
+  /// Uploads the layers. between_batches may throw to stop. Throws DeviceError if double is asked of a device without
+  /// it.
   LayerTracer(std::shared_ptr<Device> device, const LayerTable &table, Precision precision,
               std::function<void()> between_batches = {});
   ~LayerTracer();

@@ -1,4 +1,5 @@
-/* Rays of one eye and many wavelengths through layers in closed form, LANES elevations of one wavelength side by side. */
+/* Rays of one eye and many wavelengths through layers in closed form, LANES elevations of one wavelength side by side.
+ */
 #include "lib/language.h"
 
 #include "shared/layers.h"
@@ -41,8 +42,8 @@ __kernel void trace_layers(__global const Layer *above, __global const Layer *be
   record_path(&path, rows[row], ends + row, cosine, first, elevations, (int)get_global_size(1));
 }
 
-/* Bending and outcome alone: nine bytes in and out a ray. A work-item takes counts.w groups of LANES rays; sines, bending
-   and status hold whole groups (stride of them a row). */
+/* Bending and outcome alone: nine bytes in and out a ray. A work-item takes counts.w groups of LANES rays; sines,
+   bending and status hold whole groups (stride of them a row). */
 __kernel void bend_rays(__global const Layer *above, __global const Layer *below, __global const FarNode *far,
                         __global const LayerRow *rows, const int4 counts, __global const scalar *sines,
                         __global scalar *bending_rad, __global uchar *status, const int groups) {

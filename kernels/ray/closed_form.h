@@ -40,9 +40,7 @@ DEVICE LayerSine layer_sine(real near2, real far2, real c, real d) {
   return s;
 }
 
-DEVICE real sine2_at(const LayerSine *s, real t) {
-  return s->near2 + t * (s->linear + t * (s->square - t * s->cubic));
-}
+DEVICE real sine2_at(const LayerSine *s, real t) { return s->near2 + t * (s->linear + t * (s->square - t * s->cubic)); }
 
 /* Factors of the part 0..f alone, made so that they apply to the whole layer's weights. end2: sin^2 e at f. */
 DEVICE LayerFactors part_factors(const LayerSine *s, real f, real end2) {
@@ -71,7 +69,8 @@ DEVICE real turning_place(const LayerSine *s) {
   return f;
 }
 
-/* Factors of a layer for a ray that crosses it, or, where it turns, of its part up to there; reach: 1, or that place. */
+/* Factors of a layer for a ray that crosses it, or, where it turns, of its part up to there; reach: 1, or that place.
+ */
 DEVICE LayerFactors reached_factors(GLOBAL const Layer *layer, real near2, real far2, real cosine2, mask turns,
                                     real *reach) {
   const real c = cosine2 * layer->bulge, d = cosine2 * layer->skew;
@@ -116,8 +115,8 @@ DEVICE void add_far(LayerSums *s, GLOBAL const FarNode *nodes, int count, real s
     const real ab = a * b, cd = c * d, inverse = R(1) / (ab * cd);
     const real over_ab = cd * inverse, over_cd = ab * inverse;
     for (int q = 0; q < LAYER_QUANTITIES_SUMMED; ++q)
-      s->value[q] += over_ab * (n[0].weight[q] * b + n[1].weight[q] * a) +
-                     over_cd * (n[2].weight[q] * d + n[3].weight[q] * c);
+      s->value[q] +=
+          over_ab * (n[0].weight[q] * b + n[1].weight[q] * a) + over_cd * (n[2].weight[q] * d + n[3].weight[q] * c);
   }
 }
 

@@ -2,8 +2,8 @@
 
    A ray goes out from the eye on one side, comes back mirrored if it turns there, and goes out on the other; one that
    turns on both sides repeats itself, however long its way. So a place is a place on one side's way out, and inside its
-   layer the part of the layer up to there has the same closed form as the whole (closed_form.h, part_factors). All layers
-   are walked through: nodes know no places. */
+   layer the part of the layer up to there has the same closed form as the whole (closed_form.h, part_factors). All
+   layers are walked through: nodes know no places. */
 
 /* On one side's way out; quantities and distance as in LayerSums (distance over cos e0). */
 typedef struct LayerPlace {
@@ -15,8 +15,8 @@ DEVICE real part_value(GLOBAL const Layer *layer, LayerFactors f, int q) {
   return layer->mean[q] * f.mean + layer->tilt[q] * f.tilt + layer->bow[q] * f.bow;
 }
 
-/* The fraction of a layer after which `distance` is reached. From any guess the ray's own parabola leads on, which has no
-   singularity where the ray is level. */
+/* The fraction of a layer after which `distance` is reached. From any guess the ray's own parabola leads on, which has
+   no singularity where the ray is level. */
 DEVICE real fraction_at(GLOBAL const Layer *layer, const LayerSine *s, real distance, real reach) {
   real f = SPREAD(0), missing = distance;
   for (int i = 0; i < 8; ++i) {
@@ -96,8 +96,9 @@ DEVICE LayerLeg leg_at(const LayerPath *p, real wanted) {
   leg.wanted = first ? x : second ? R(2) * to_a - x : third ? x - R(2) * to_a : R(2) * (to_a + to_b) - x;
   leg.ended = (first & (x > to_a)) | (third & (x > R(2) * to_a + to_b));
   for (int q = 0; q < 3; ++q)
-    leg.before[q] = cycles * R(2) * (a[q] + b[q]) +
-                    (first ? SPREAD(0) : on_a | third ? R(2) * a[q] : R(2) * (a[q] + b[q]));
+    leg.before[q] = cycles * R(2) * (a[q] + b[q]) + (first          ? SPREAD(0)
+                                                     : on_a | third ? R(2) * a[q]
+                                                                    : R(2) * (a[q] + b[q]));
   const mask none = SPREAD_INT(0), one = SPREAD_INT(1), two = SPREAD_INT(2);
   leg.turning_points = (first ? none : on_a | third ? one : two) + (cycles > R(0) ? two : none);
   return leg;
