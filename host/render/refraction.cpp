@@ -34,41 +34,21 @@ struct Traced {
   TraceStats stats;
 };
 
-Traced trace_layers_with(const Setting &setting, const Profile &profile, const RefractionRequest &request,
-                         const std::shared_ptr<Device> &device) {
-  const double fine_arcsec = std::max(setting.table_arcsec / 30, 1e-9);
-  const IndexTable fine =
-      build_index_table(profile, request.wavelengths_nm, {request.flat, fine_arcsec, request.height_m});
-  const double eye_m = f64::flattened_height_m(request.height_m, fine.curvature_per_m);
-  const std::vector<double> edges = place_layers(fine, 0, eye_m, setting.table_arcsec);
-  LayerTable table = build_layer_table(fine, edges, eye_m, {});
-  merge_far_layers(table, fine, {}, setting.table_arcsec, false);
-  LayerTracer tracer(device, table, setting.precision, stop_if_asked);
-  std::vector<double> elevations;
-  for (double altitude : request.altitudes_deg) elevations.push_back(to_rad(altitude));
-  Traced traced{tracer.trace(elevations), edges.size() - 1, fine.bound_arcsec, {}};
-  traced.stats = tracer.stats();
-  return traced;
-}
-
 Traced trace_with(const Setting &setting, const Profile &profile, const RefractionRequest &request,
                   const std::shared_ptr<Device> &device) {
-  if (request.method == RayMethod::cells) return trace_layers_with(setting, profile, request, device);
-  const IndexTable table =
-      build_index_table(profile, request.wavelengths_nm, {request.flat, setting.table_arcsec, request.height_m});
-  std::vector<f64::RayStart> starts;
-  for (double altitude : request.altitudes_deg)
-    for (std::size_t row = 0; row < request.wavelengths_nm.size(); ++row)
-      starts.push_back(launch(table, row, request.height_m, to_rad(altitude)));
-  TraceOptions options;
+  SkyRayOptions options;
+  options.height_m = request.height_m;
+  options.flat = request.flat;
+  options.method = request.method;
   options.precision = setting.precision;
-  options.integrator = request.method == RayMethod::richardson ? Integrator::richardson : Integrator::dormand_prince;
-  options.tolerance_rad = setting.step_rad;
+  options.error_arcsec = setting.table_arcsec;
+  options.step_rad = setting.step_rad;
   options.max_steps = 1000000;
-  options.between_batches = stop_if_asked;
-  RayTracer tracer(device, table, options);
-  Traced traced{tracer.trace(starts), table.cells_per_row, table.bound_arcsec, {}};
-  traced.stats = tracer.stats();
+  SkyRays rays(profile, request.wavelengths_nm, options, device);
+  std::vector<double> elevations;
+  for (double altitude : request.altitudes_deg) elevations.push_back(to_rad(altitude));
+  Traced traced{rays.trace(elevations), rays.cells(), rays.table().bound_arcsec, {}};
+  traced.stats = rays.stats();
   return traced;
 }
 

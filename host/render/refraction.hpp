@@ -5,12 +5,9 @@
 #include <vector>
 
 #include "atmosphere/profile.hpp"
-#include "compute/ray_tracer.hpp"
+#include "render/sky_rays.hpp"
 
 namespace greenray {
-
-/// How a refraction is found: layers in closed form, or steps.
-enum class RayMethod { cells, dormand_prince, richardson };
 
 struct RefractionRequest {
   double height_m = 0;                // of the eye
