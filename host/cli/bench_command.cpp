@@ -56,13 +56,20 @@ Request request_from(const Arguments &a) {
 
 std::vector<bench::Method> peer_methods(unsigned threads, bool few) {
   std::vector<bench::Method> methods;
+  const auto add = [&](std::vector<bench::Method> more) {
+    methods.insert(methods.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+  };
 #ifdef GREENRAY_BENCH_NATIVE
-  methods = bench::native_methods(threads, few);
+  add(bench::native_methods(threads, few));
 #endif
 #ifdef GREENRAY_BENCH_ODEINT
-  const std::vector<bench::Method> odeint = bench::odeint_methods(threads, few);
-  methods.insert(methods.end(), odeint.begin(), odeint.end());
+  add(bench::odeint_methods(threads, few));
+  add(bench::untuned_odeint_methods(threads, few));
 #endif
+#ifdef GREENRAY_BENCH_PAL
+  add(bench::pal_methods(threads, few));
+#endif
+  (void)add;
   (void)threads, (void)few;
   return methods;
 }
