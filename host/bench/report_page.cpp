@@ -36,6 +36,9 @@ th, td { padding: 6px 12px; border-bottom: 1px solid var(--rule); vertical-align
 tr:last-child td { border-bottom: 0; }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 td .soft { font-size: 12px; display: block; }
+td.what { min-width: 250px; }
+.side { display: block; font-size: 12px; line-height: 1.45; color: var(--soft); }
+.side i { font-style: normal; display: inline-block; width: 46px; color: #98a19f; }
 .group td { background: var(--wash); font-weight: 600; }
 .verdict { border-radius: 99px; padding: 1px 9px; font-size: 12px; color: #fff; white-space: nowrap; }
 .aim { background: var(--good); } .floor { background: var(--fair); } .missed { background: var(--bad); }
@@ -97,29 +100,32 @@ std::string verdict_cell(const Ratio &r) {
          "</span>";
 }
 
-std::string asked(double value, const char *otherwise = "") {
-  return value > 0 ? short_number(value) + "×" : otherwise;
+std::string asked(const Ratio &r) {
+  if (r.basis == Basis::cost) return r.floor > 0 ? "≤ " + short_number(r.floor) + "×" : "";
+  std::string words = r.floor > 0 ? short_number(r.floor) + "×" : "";
+  if (r.aim > 0) words += " / " + short_number(r.aim) + "×";
+  return words;
 }
 
-std::string side(const std::string &variant, double error, const std::string &unit) {
-  return variant.empty() ? "" : escaped(variant) + "<span class=\"soft\">error " + error_words(error, unit) + "</span>";
+std::string side(const char *who, const std::string &variant, double error, const std::string &unit) {
+  if (variant.empty()) return "";
+  return "<span class=\"side\"><i>" + std::string(who) + "</i> " + escaped(variant) + "; error " +
+         error_words(error, unit) + "</span>";
 }
 
 std::string ratio_table(const std::vector<Ratio> &ratios) {
   std::string html =
-      "<div class=\"table\"><table><thead><tr><th>what</th><th class=\"n\">ratio</th><th></th><th "
-      "class=\"n\">floor</th>"
-      "<th class=\"n\">aim</th><th></th><th>ours</th><th>against</th></tr></thead><tbody>\n";
+      "<div class=\"table\"><table><thead><tr><th>what</th><th class=\"n\">ratio</th><th></th>"
+      "<th class=\"n\">floor / aim</th><th></th><th>settings</th></tr></thead><tbody>\n";
   std::string last;
   for (const Ratio &r : ratios) {
-    if (r.case_name != last) html += "<tr class=\"group\"><td colspan=\"8\">" + escaped(r.case_name) + "</td></tr>\n";
+    if (r.case_name != last) html += "<tr class=\"group\"><td colspan=\"6\">" + escaped(r.case_name) + "</td></tr>\n";
     last = r.case_name;
-    html += "<tr><td>" + escaped(r.what) + "<span class=\"soft\">" + basis_words(r.basis) +
-            (r.note.empty() ? "" : "; " + escaped(r.note)) + "</span></td><td class=\"n\"><b>" +
+    html += "<tr><td class=\"what\">" + escaped(r.what) + "<span class=\"soft\">" +
+            (r.note.empty() ? basis_words(r.basis) : escaped(r.note)) + "</span></td><td class=\"n\"><b>" +
             (r.measured() ? times(r.value) : "–") + "</b></td><td>" + (r.measured() ? track(r) : "") +
-            "</td><td class=\"n\">" + (r.basis == Basis::cost && r.floor > 0 ? "≤ " : "") + asked(r.floor) +
-            "</td><td class=\"n\">" + asked(r.aim) + "</td><td>" + verdict_cell(r) + "</td><td>" +
-            side(r.ours, r.our_error, r.error_unit) + "</td><td>" + side(r.theirs, r.their_error, r.error_unit) +
+            "</td><td class=\"n\">" + asked(r) + "</td><td>" + verdict_cell(r) + "</td><td>" +
+            side("ours", r.ours, r.our_error, r.error_unit) + side("against", r.theirs, r.their_error, r.error_unit) +
             "</td></tr>\n";
   }
   return html + "</tbody></table></div>\n";
