@@ -2,12 +2,15 @@
 // pixel.
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 
 #include "bench/device_methods.hpp"
 #include "bench/machine.hpp"
 #include "bench/trace_suite.hpp"
 #include "render/renderer.hpp"
 #include "scene/scene_file.hpp"
+#include "support/angle.hpp"
 
 namespace greenray::bench {
 namespace {
@@ -20,14 +23,13 @@ struct Way {
   std::uint64_t seed = 1;
 };
 
-/// A picture of the low Sun. Per-pixel tracing may be timed on a strip of whole columns, so that every altitude has its
-/// share; errors are measured on a narrower strip that starts at the same column.
+/// A picture of the low Sun. Per-pixel tracing may be timed on a strip of its middle columns, which has its share of
+/// every altitude; errors are measured on a narrower one. A strip is a picture of its own, as high and less wide.
 struct Case {
   int width, height, wavelengths;
   int timed_columns, checked_columns;
   std::vector<Way> ways;
   Way reference;
-  int first_column() const { return width * 7 / 10; }  // crosses the limb aslant
   std::string name() const { return "sun-" + std::to_string(width) + "x" + std::to_string(height); }
 };
 
@@ -35,12 +37,19 @@ struct Shot {
   SpectralImage image;
   RenderReport report;
   double wall_seconds = 0, cpu_seconds = 0;  // of the whole picture, without compiling
-  double lit_columns = 1;                    // share of the picture's columns that was timed
 };
 
-Scene scene_of(const Case &c, const Way &way) {
+constexpr double field_deg = 0.8, sun_right_deg = 0.12;  // so that the middle columns cross the limb aslant
+
+Scene scene_of(const Case &c, const Way &way, int columns) {
+  const double half = std::tan(to_rad(field_deg / 2)) * columns / c.width;
+  std::ostringstream field;
+  field << std::setprecision(15) << "observer.fov_deg=" << 2 * to_deg(std::atan(half));
   std::vector<std::string> keys{
-      "observer.resolution=[" + std::to_string(c.width) + ", " + std::to_string(c.height) + "]",
+      "observer.resolution=[" + std::to_string(columns) + ", " + std::to_string(c.height) + "]",
+      field.str(),
+      "observer.azimuth_deg=270.0",
+      "sun.azimuth_deg=" + std::to_string(270 + sun_right_deg),
       "spectrum.samples=" + std::to_string(c.wavelengths),
       "tracing.quality={ spp = " + std::to_string(way.samples) + " }",
       std::string("tracing.transfer=\"") + (way.per_pixel ? "per-pixel" : "table") + "\""};
@@ -50,45 +59,36 @@ Scene scene_of(const Case &c, const Way &way) {
   return load_scene("flat-sun", keys);
 }
 
-/// columns: of a strip that starts at first_column; the picture's width: all of it. What grows with the pixels of a
-/// strip is counted as often as the strip fits into the picture.
+/// What grows with the pixels of a strip is counted as often as the strip fits into the picture.
 Shot take(const Case &c, const Way &way, int columns, const std::shared_ptr<Device> &device) {
-  const Scene scene = scene_of(c, way);
+  const Scene scene = scene_of(c, way, columns);
   RenderOptions options;
   options.seed = way.seed;
-  if (columns < c.width) options.crop = std::array<int, 4>{c.first_column(), 0, c.first_column() + columns, c.height};
   const RenderPlan plan = plan_render(scene, options);
   const double compiled_before = device->compile_seconds();
   const Clocks begin = clocks_now();
   Rendered rendered = render(scene, plan, options, device);
   const Clocks end = clocks_now();
   const double compiled = device->compile_seconds() - compiled_before;
-  Shot shot{std::move(rendered.image), rendered.report, 0, 0, double(columns) / c.width};
+  Shot shot{std::move(rendered.image), rendered.report};
   const double wall = end.wall_seconds - begin.wall_seconds - compiled;
-  const double pixels = std::min(wall, shot.report.gather_seconds), factor = 1 / shot.lit_columns;
-  shot.wall_seconds = wall - pixels + pixels * factor;
+  const double pixels = std::clamp(shot.report.gather_seconds, 0.0, wall);
+  shot.wall_seconds = wall + pixels * (double(c.width) / columns - 1);
   shot.cpu_seconds = (end.cpu_seconds - begin.cpu_seconds) * shot.wall_seconds / wall;
   return shot;
 }
 
-/// RMS of the difference over the reference's columns, relative to its own RMS. image starts at its column `first`.
-double relative_rms(const SpectralImage &image, int first, const SpectralImage &reference) {
-  const std::size_t waves = reference.wavelength_nm.size();
+/// RMS of the difference over all pixels and wavelengths, relative to the reference's own RMS.
+double relative_rms(const SpectralImage &image, const SpectralImage &reference) {
   double error = 0, light = 0;
-  for (int y = 0; y < reference.height; ++y)
-    for (int x = 0; x < reference.width; ++x)
-      for (std::size_t w = 0; w < waves; ++w) {
-        const auto at = [&](const SpectralImage &i, int column) {
-          return static_cast<double>(i.radiance[static_cast<std::size_t>(y * i.width + column) * waves + w]);
-        };
-        const double truth = at(reference, x), difference = at(image, first + x) - truth;
-        error += difference * difference, light += truth * truth;
-      }
+  for (std::size_t i = 0; i < reference.radiance.size(); ++i) {
+    const double truth = reference.radiance[i], difference = image.radiance[i] - truth;
+    error += difference * difference, light += truth * truth;
+  }
   return light > 0 ? std::sqrt(error / light) : 0;
 }
 
-Record record_of(const Case &c, const Way &way, const std::vector<Shot> &shots, const SpectralImage &reference,
-                 const Device &device) {
+Record record_of(const Case &c, const Way &way, const std::vector<Shot> &shots, double error, const Device &device) {
   const auto faster = [](const Shot &a, const Shot &b) { return a.wall_seconds < b.wall_seconds; };
   std::vector<double> wall, cpu;
   for (const Shot &s : shots) wall.push_back(s.wall_seconds), cpu.push_back(s.cpu_seconds);
@@ -103,8 +103,7 @@ Record record_of(const Case &c, const Way &way, const std::vector<Shot> &shots, 
   r.device = device_words(device);
   r.rate = 1 / wall.front();
   r.rate_unit = "picture/s";
-  const bool reference_lies_inside = best.image.width == c.width && reference.width < c.width;
-  r.error = relative_rms(best.image, reference_lies_inside ? c.first_column() : 0, reference);
+  r.error = error;
   r.error_unit = "relative RMS";
   r.cpu_seconds = *std::min_element(cpu.begin(), cpu.end());
   r.wall_seconds = wall.front();
@@ -113,7 +112,7 @@ Record record_of(const Case &c, const Way &way, const std::vector<Shot> &shots, 
   r.more = {{"pixels", double(c.width) * c.height},
             {"wavelengths", double(c.wavelengths)},
             {"samples_per_pixel", double(way.samples)},
-            {"timed_share", best.lit_columns},
+            {"timed_share", double(best.image.width) / c.width},
             {"rays", static_cast<double>(best.report.trace.rays)},
             {"table_arcsec", best.report.table_arcsec},
             {"lookup_arcsec", best.report.lookup_arcsec},
@@ -129,8 +128,8 @@ Record record_of(const Case &c, const Way &way, const std::vector<Shot> &shots, 
 std::vector<Case> cases(bool quick) {
   const Way table1{false, 1}, table4{false, 4}, table16{false, 16}, pixel1{true, 1}, pixel4{true, 4};
   if (quick) return {{48, 27, 3, 48, 48, {table1, pixel1}, {true, 1, true, 1}}};
-  return {{240, 135, 24, 240, 16, {table1, table4, table16, pixel1, pixel4}, {true, 64, true, 2}},
-          {1920, 1080, 24, 240, 16, {table1, pixel1}, {true, 1, true, 1}}};
+  return {{240, 135, 24, 240, 8, {table1, table4, table16, pixel1, pixel4}, {true, 64, true, 2}},
+          {1920, 1080, 24, 240, 8, {table1, pixel1}, {true, 1, true, 1}}};
 }
 
 std::vector<Record> run_case(const Case &c, const SuiteOptions &options, const std::shared_ptr<Device> &device) {
@@ -143,6 +142,8 @@ std::vector<Record> run_case(const Case &c, const SuiteOptions &options, const s
   };
   say("reference");
   const SpectralImage reference = take(c, c.reference, c.checked_columns, device).image;
+  std::vector<double> errors;
+  for (const Way &way : ways) errors.push_back(relative_rms(take(c, way, c.checked_columns, device).image, reference));
   std::vector<std::vector<Shot>> shots(ways.size());
   const int repeats = options.quick ? 1 : std::clamp(options.repeats / 2, 1, 3);
   for (int round = 0; round < repeats; ++round)
@@ -152,7 +153,7 @@ std::vector<Record> run_case(const Case &c, const SuiteOptions &options, const s
     }
   std::vector<Record> records;
   for (std::size_t i = 0; i < ways.size(); ++i) {
-    records.push_back(record_of(c, ways[i], shots[i], reference, *device));
+    records.push_back(record_of(c, ways[i], shots[i], errors[i], *device));
     if (options.done) options.done(records.back());
   }
   return records;
