@@ -230,11 +230,11 @@ std::vector<Method> odeint_methods(unsigned threads, bool few) {
     return methods;
   }
   for (const Form form : {Form::classical, Form::flattened}) {
-    for (const double tolerance : {1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-11})
+    for (const double tolerance : {1e-5, 3e-6, 1e-6, 5e-7, 2e-7, 1e-7, 1e-8, 1e-9, 1e-11})
       add(methods, form, StepEnds::kinks, 1e-4, tolerance, threads);
-    for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8})
+    for (const double tolerance : {1e-4, 1e-5, 5e-6, 2e-6, 1e-6, 1e-7})
       add(methods, form, StepEnds::fourth_knots, std::max(1e-3, 1e3 * tolerance), tolerance, threads);
-    for (const double tolerance : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7})
+    for (const double tolerance : {1e-4, 1e-5, 3e-6, 1e-6, 1e-7})
       add(methods, form, StepEnds::knots, std::min(3.0, 3e4 * tolerance), tolerance, threads);
   }
   return methods;

@@ -87,7 +87,7 @@ class UntunedRunner : public Runner {
 std::vector<Method> untuned_odeint_methods(unsigned threads, bool few) {
   std::vector<Method> methods;
   constexpr double table_arcsec = 1e-3;
-  for (const double tolerance : {1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12}) {
+  for (const double tolerance : {1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 3e-10, 1e-10, 3e-11, 1e-11, 1e-12}) {
     if (few && tolerance != 1e-9) continue;
     std::ostringstream text;
     text << "odeint dopri5 double untuned, tolerance " << tolerance;

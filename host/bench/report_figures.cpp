@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <sstream>
 
@@ -52,6 +53,17 @@ PlotLine style_of(const Record &r) {
   return line;
 }
 
+/// A colour mixed with white.
+std::string faded(const std::string &colour) {
+  std::string pale = "#";
+  for (std::size_t i = 1; i + 1 < colour.size(); i += 2) {
+    char text[4];
+    std::snprintf(text, sizeof text, "%02x", (std::stoi(colour.substr(i, 2), nullptr, 16) * 2 + 255 * 3) / 5 & 255);
+    pale += text;
+  }
+  return pale;
+}
+
 bool beaten(const Record &r, const std::vector<const Record *> &curve) {
   return std::any_of(curve.begin(), curve.end(), [&](const Record *other) {
     return other != &r && other->error <= r.error && other->rate >= r.rate &&
@@ -74,9 +86,25 @@ std::vector<PlotLine> lines_of(std::vector<const Record *> curve, const std::fun
   PlotLine best = style_of(*curve.front());
   best.width = 2;
   PlotLine others = best;
-  others.name = "", others.width = 0, others.hollow = true;
+  others.name = "", others.width = 0, others.colour = faded(best.colour);
   for (const Record *r : curve) add_point(beaten(*r, curve) ? others : best, *r, x(*r), r->error);
   return {others, best};
+}
+
+/// Room around the points of a log axis.
+void widen(PlotAxis &axis, const std::vector<double> &values, double most = 1e300) {
+  double low = 1e300, high = 0;
+  for (const double v : values) {
+    if (!(v > 0) || v > most) continue;
+    low = std::min(low, v), high = std::max(high, v);
+  }
+  if (high > 0) axis.low = low / 1.35, axis.high = std::min(high * 1.35, most);
+}
+
+std::vector<double> column(const PlotPanel &panel, std::vector<double> PlotLine::*values) {
+  std::vector<double> all;
+  for (const PlotLine &line : panel.lines) all.insert(all.end(), (line.*values).begin(), (line.*values).end());
+  return all;
 }
 
 Figure figure_of(const std::vector<const Record *> &records, const std::function<double(const Record &)> &x) {
@@ -132,20 +160,17 @@ std::vector<Figure> work_precision_figures(const Results &results) {
     PlotPanel &panel = figure.plot.panels.front();
     panel.x = {"rays per second", "", true};
     panel.y = {"largest error of refraction", "arcsec", true};
-    double worst = 0;
-    int outside = 0;
-    for (const Record *r : records) {
-      worst = std::max(worst, r->error);
-      outside += r->error > worst_error_shown;
-    }
-    if (worst > worst_error_shown) panel.y.high = worst_error_shown;
+    widen(panel.x, column(panel, &PlotLine::x));
+    widen(panel.y, column(panel, &PlotLine::y), worst_error_shown);
+    const auto outside =
+        std::count_if(records.begin(), records.end(), [](const Record *r) { return r->error > worst_error_shown; });
     panel.levels = {{0.01, "0.01″", "#7a7a72"}, {0.003, "0.003″", "#7a7a72"}};
     figure.plot.id = "speed" + std::to_string(figures.size());
     figure.plot.title = name + ": speed against error";
     figure.plot.subtitle = air_words(name) + "; further right and further down is better";
     if (outside > 0)
-      figure.caption = std::to_string(outside) + (outside == 1 ? " setting" : " settings") +
-                       " with an error above 1″ are off the plot: they stepped over a layer.";
+      figure.caption =
+          std::to_string(outside) + (outside == 1 ? " setting" : " settings") + " with an error above 1″ off the plot.";
     figures.push_back(figure);
   }
   return figures;
@@ -193,6 +218,8 @@ std::vector<Figure> image_figures(const Results &results) {
     PlotPanel &panel = figure.plot.panels.front();
     panel.x = {"time of the whole picture", "s", true};
     panel.y = {"RMS error, relative", "", true};
+    widen(panel.x, column(panel, &PlotLine::x));
+    widen(panel.y, column(panel, &PlotLine::y));
     figure.plot.id = "images" + std::to_string(figures.size());
     figure.plot.title = name + ": error of whole pictures against time";
     figure.plot.subtitle =

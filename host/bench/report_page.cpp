@@ -13,7 +13,7 @@ const char *const style_sheet = R"css(
 :root { --ink: #1d2429; --soft: #5d6870; --rule: #dfe3e2; --paper: #fff; --wash: #f5f7f6; --good: #1c7a4d; --fair: #9a6a00; --bad: #b3341f; }
 * { box-sizing: border-box; }
 body { margin: 0; background: var(--wash); color: var(--ink); font: 15px/1.55 system-ui, "DejaVu Sans", "Segoe UI", Helvetica, Arial, sans-serif; }
-main { max-width: 1060px; margin: 0 auto; padding: 28px 24px 60px; }
+main { max-width: 1180px; margin: 0 auto; padding: 28px 24px 60px; }
 h1 { font-size: 27px; line-height: 1.2; margin: 0 0 4px; letter-spacing: -.01em; }
 h2 { font-size: 19px; margin: 40px 0 10px; }
 p { margin: 6px 0 12px; max-width: 76ch; }
@@ -21,7 +21,7 @@ p { margin: 6px 0 12px; max-width: 76ch; }
 .card, figure, .table { background: var(--paper); border: 1px solid var(--rule); border-radius: 8px; }
 .cards { display: grid; grid-template-columns: repeat(auto-fit, minmax(188px, 1fr)); gap: 12px; margin: 20px 0; }
 .card { padding: 12px 16px; }
-.card b { display: block; font-size: 25px; line-height: 1.25; font-variant-numeric: tabular-nums; }
+.card b { display: block; font-size: 24px; white-space: nowrap; line-height: 1.25; font-variant-numeric: tabular-nums; }
 .card span { color: var(--soft); font-size: 13px; }
 .warning { background: #fff4d6; border: 1px solid #e4c468; border-radius: 8px; padding: 10px 16px; margin: 16px 0; }
 figure { margin: 0 0 18px; padding: 8px 10px 12px; }
@@ -32,11 +32,11 @@ figcaption { color: var(--soft); font-size: 13px; padding: 0 12px; }
 .table { overflow-x: auto; }
 table { border-collapse: collapse; width: 100%; font-size: 13.5px; }
 th { text-align: left; font-weight: 600; color: var(--soft); background: var(--wash); white-space: nowrap; }
-th, td { padding: 6px 12px; border-bottom: 1px solid var(--rule); vertical-align: top; }
+th, td { padding: 6px 10px; border-bottom: 1px solid var(--rule); vertical-align: top; }
 tr:last-child td { border-bottom: 0; }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 td .soft { font-size: 12px; display: block; }
-td.what { min-width: 250px; }
+td.what { min-width: 290px; }
 .side { display: block; font-size: 12px; line-height: 1.45; color: var(--soft); }
 .side i { font-style: normal; display: inline-block; width: 46px; color: #98a19f; }
 .group td { background: var(--wash); font-weight: 600; }

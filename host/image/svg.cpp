@@ -100,11 +100,11 @@ std::string marker_at(const PlotLine &line, double x, double y, const std::strin
   return "";
 }
 
-/// 20 pixels of a line, with its marker in the middle.
-std::string sample_of(const PlotLine &line, double x, double y) {
+/// A short piece of a line, with its marker in the middle.
+std::string sample_of(const PlotLine &line, double x, double y, double width) {
   const std::string dashes = line.dashed ? " stroke-dasharray=\"6 4\"" : "";
   const std::string stroke = "stroke=\"" + clean(line.colour) + "\" stroke-width=\"2.4\"" + dashes;
-  return (line.width > 0 ? line_at(x, y, x + 20, y, stroke) : "") + marker_at(line, x + 10, y);
+  return (line.width > 0 ? line_at(x, y, x + width, y, stroke) : "") + marker_at(line, x + width / 2, y);
 }
 
 /// One panel at its place in the picture.
@@ -250,7 +250,7 @@ class PanelDrawing {
                        std::string(font) + " font-size=\"10.5\" fill=\"#333\" text-anchor=\"end\"");
         break;
       }
-      svg += sample_of(line, x, y - 4);
+      svg += sample_of(line, x, y - 4, 20);
       svg += text_at(x + 25, y, line.name, std::string(font) + " font-size=\"10.5\" fill=\"#333\"");
       x += wide;
     }
@@ -284,7 +284,7 @@ std::string wavelength_colour(double wavelength_nm) {
 }
 
 std::string svg_swatch(const PlotLine &line) {
-  return "<svg width=\"20\" height=\"12\" viewBox=\"0 0 20 12\" aria-hidden=\"true\">" + sample_of(line, 0, 6) +
+  return "<svg width=\"36\" height=\"12\" viewBox=\"0 0 36 12\" aria-hidden=\"true\">" + sample_of(line, 0, 6, 36) +
          "</svg>";
 }
 
