@@ -125,7 +125,7 @@ TEST_F(Pictures, ReportAndChannelsAsTheContract) {
   long long sum = 0;
   for (const auto &[name, count] : json.at("outcomes").items()) sum += count.get<long long>();
   EXPECT_EQ(sum, json.at("rays_launched").get<long long>());
-  EXPECT_EQ(sum, json.at("plan").at("rays").get<long long>());
+  EXPECT_GT(json.at("table").at("transfer_entries").get<long long>(), 2);
   EXPECT_GT(json.at("outcomes").at("space").get<long long>(), 0);
   EXPECT_GT(json.at("outcomes").at("ground").get<long long>(), 0);
 
