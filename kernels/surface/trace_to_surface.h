@@ -105,8 +105,8 @@ DEVICE CellExit leave_cell(scalar p, scalar bend, scalar to_top, scalar to_botto
     e.momentum_z = R(0);
     e.step = 0;
   } else if (reaches >= R(0)) {
-    const scalar there = scalar_root(reaches);
-    e.sigma = R(2) * sign * ahead / (speed + there);
+    const scalar there = scalar_root(reaches), sum = speed + there;
+    e.sigma = sum > R(0) ? R(2) * sign * ahead / sum : R(0); /* at rest on the edge, pushed through it */
     e.momentum_z = sign * there;
     e.step = up ? 1 : -1;
   } else {

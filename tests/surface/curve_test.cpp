@@ -102,7 +102,8 @@ LayeredMedium laboratory(double strength) {
   return medium;
 }
 
-/// d2r/dsigma2 = grad(n^2)/2 by the classical Runge-Kutta method in steps of two millimetres, until it meets something.
+/// d2r/dsigma2 = grad(n^2)/2 by the classical Runge-Kutta method in steps of four millimetres, until it meets
+/// something.
 struct SmallSteps {
   const LayeredMedium &medium;
   double force(double z) const {
@@ -134,20 +135,20 @@ double index_at(const LayeredMedium &medium, double z) {
 class CurveThroughCells : public ::testing::TestWithParam<double> {};
 
 TEST_P(CurveThroughCells, LandsLikeSmallSteps) {
-  // oracle: Runge-Kutta of the ray equation in steps of 2 mm on the medium itself, brute force on every chord
+  // oracle: Runge-Kutta of the ray equation in steps of 4 mm on the medium itself, brute force on every chord
   // tolerance: the table's 0.1 mm and float, 0.3 mm together, where neither an edge nor a shallow angle decides
   const double strength = GetParam(), margin_m = 4e-4;
   const LayeredMedium medium = laboratory(strength);
   const AirTable air = build_air_table(medium, {550}, {0, 3, 6, 1e-4, 4096});
   EXPECT_LE(air.error_m, 1e-4);
-  Surfaces scene = soup(60, 4, 1.5, 21);
+  Surfaces scene = soup(40, 4, 1.5, 21);
   for (Triangle &t : scene.triangles)
     for (Triple &c : t.corner) c[2] += 1.5;
   for (Sphere &s : scene.spheres) s.centre[2] += 1.5;
   std::mt19937 engine(4);
   std::vector<surface32::PathStart> starts;
   std::vector<Triple> from, momentum;
-  for (int i = 0; i < 150; ++i) {
+  for (int i = 0; i < 100; ++i) {
     const Triple place = random_triple(engine, -1.5, 1.5) + Triple{0, 0, 1.5};
     const Triple p = index_at(medium, place[2]) * random_direction(engine);
     bool in_sphere = false;
@@ -161,10 +162,10 @@ TEST_P(CurveThroughCells, LandsLikeSmallSteps) {
   for (std::size_t i = 0; i < starts.size(); ++i) {
     Triple certain = from[i], possible = from[i];
     const SmallSteps steps{medium};
-    const Met sure = steps.until_met(certain, momentum[i], 2e-3, 2000, [&](const Triple &at, const Triple &chord) {
+    const Met sure = steps.until_met(certain, momentum[i], 4e-3, 800, [&](const Triple &at, const Triple &chord) {
       return brute_force(scene, at, chord, 1, 0).certain;
     });
-    const Met maybe = steps.until_met(possible, momentum[i], 2e-3, 2000, [&](const Triple &at, const Triple &chord) {
+    const Met maybe = steps.until_met(possible, momentum[i], 4e-3, 800, [&](const Triple &at, const Triple &chord) {
       return brute_force(scene, at, chord, 1, margin_m).possible;
     });
     if (sure.primitive != maybe.primitive) continue;  // an edge or a limb within the margin
@@ -203,17 +204,24 @@ TEST(Curve, NoGapsBetweenNeighboursAndCells) {
   for (const Surfaces &scene : {room, box}) {
     std::vector<surface32::PathStart> starts;
     for (int i = 0; i < 200000; ++i) {
-      const Triple place = random_triple(engine, -0.9, 0.9) + Triple{0, 0, 1.5};
+      const Triple place = random_triple(engine, -0.75, 0.75) + Triple{0, 0, 1.5};
       Triple d = random_direction(engine);
       if (i % 4 == 0) d = unit(scene.triangles[static_cast<std::size_t>(i) % scene.triangles.size()].corner[0] - place);
       if (i % 16 == 1) d = unit({d[0], d[1], 0});
       starts.push_back(path_start(place, index_at(medium, place[2]) * d));
     }
     const auto ends = on_device(scene, air, starts);
-    EXPECT_EQ(
-        std::count_if(ends.begin(), ends.end(), [](const auto &e) { return e.outcome != surface32::PATH_SURFACE; }), 0);
+    int lost = 0;
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      if (ends[i].outcome == surface32::PATH_SURFACE) continue;
+      if (++lost < 4)
+        ADD_FAILURE() << "outcome " << ends[i].outcome << " from " << starts[i].place[0] << " " << starts[i].place[1]
+                      << " " << starts[i].place[2] << " along " << starts[i].momentum[0] << " " << starts[i].momentum[1]
+                      << " " << starts[i].momentum[2] << " to " << ends[i].place[0] << " " << ends[i].place[1] << " "
+                      << ends[i].place[2];
+    }
+    EXPECT_EQ(lost, 0);
   }
-  (void)outer;
 }
 
 TEST(Curve, SameWithoutBendingAsStraight) {
