@@ -5,6 +5,7 @@
    pack_normal: three components of 10 bits, error below 0.1 degrees: unpacked by shifts alone, for tests of sides. */
 
 DEVICE float float_magnitude(float x) { return x < 0 ? -x : x; }
+DEVICE float smaller_float(float a, float b) { return a < b ? a : b; }
 DEVICE int nearest_int(float x) { return x < 0 ? (int)(x - 0.5f) : (int)(x + 0.5f); }
 
 DEVICE unsigned int pack_direction(float x, float y, float z) {
