@@ -1,4 +1,4 @@
-// The photon side of kernels/ compiled as C++20: packing, random numbers, samplers, grid. One lane, float.
+// The photon side of kernels/ compiled as C++20: packing, random numbers, samplers, grid; one lane of float.
 // Structs that cross the bus are greenray::Photon and its like (compute/photon.hpp).
 #pragma once
 #include <cmath>
@@ -11,8 +11,13 @@ namespace greenray::photon_twin {
 #include "lib/language.h"
 
 #include "lib/lanes.h"
-#include "lib/pack.h"
 #include "lib/random.h"
+#include "lib/vec3.h"
+
+#include "lib/pack.h"
+#include "lib/sampling.h"
+
+#include "lib/sampling_probe.h"
 
 #include "map/grid.h"
 }  // namespace greenray::photon_twin
@@ -27,4 +32,6 @@ namespace greenray::photon_twin {
 #undef LANE
 #undef LANE_INT
 #undef LANE_NUMBERS
+#undef SCALAR_MATH
+#undef TWO_PI
 #undef BEYOND_CELLS

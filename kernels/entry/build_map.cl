@@ -1,6 +1,8 @@
 /* Photon records -> the map: keys and counts by chunk, prefix sums, dealing, cells, one array for each quantity. */
 #include "lib/language.h"
 
+#include "lib/vec3.h"
+
 #include "lib/pack.h"
 #include "shared/photon.h"
 #include "shared/photon_grid.h"

@@ -4,6 +4,8 @@
 #include "lib/language.h"
 
 #include "lib/lanes.h"
+#include "lib/vec3.h"
+
 #include "lib/pack.h"
 #include "shared/photon.h"
 #include "shared/photon_grid.h"
@@ -54,7 +56,7 @@ __kernel void gather_nearest(MAP_ARGUMENTS, __global const GatherPoint *points, 
     const float radius2 = nearest_radius2(&distances, &settings, &guess_m);
     float inner;
     gathered[i].count = gather_within(&map, &grid, &question, radius2, irradiance_W_m2 + i * WAVES, &inner);
-    gathered[i].radius_m = float_root(radius2);
+    gathered[i].radius_m = scalar_root(radius2);
     inner_W_m2[i] = inner;
   }
 }

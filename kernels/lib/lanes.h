@@ -1,28 +1,20 @@
-/* LANES neighbours in memory at once, and whole numbers per lane as reals. Float only. */
+/* Whole numbers per lane, and sums over the lanes. Float only. */
 
 #ifdef __OPENCL_C_VERSION__
 #if LANES == 8
-DEVICE real load(__global const float *p) { return vload8(0, p); }
 DEVICE mask load_ints(__global const int *p) { return vload8(0, p); }
 DEVICE real as_reals(mask m) { return convert_float8(m); }
 #define LANE_NUMBERS ((int8)(0, 1, 2, 3, 4, 5, 6, 7))
 #elif LANES == 4
-DEVICE real load(__global const float *p) { return vload4(0, p); }
 DEVICE mask load_ints(__global const int *p) { return vload4(0, p); }
 DEVICE real as_reals(mask m) { return convert_float4(m); }
 #define LANE_NUMBERS ((int4)(0, 1, 2, 3))
 #else
-DEVICE real load(__global const float *p) { return *p; }
 DEVICE mask load_ints(__global const int *p) { return *p; }
 DEVICE real as_reals(mask m) { return (float)m; }
 #define LANE_NUMBERS 0
 #endif
 #else
-DEVICE real load(const float *p) {
-  real v = SPREAD(0);
-  for (int i = 0; i < LANES; ++i) LANE(v, i) = p[i];
-  return v;
-}
 DEVICE mask load_ints(const int *p) {
   mask v = SPREAD_INT(0);
   for (int i = 0; i < LANES; ++i) LANE_INT(v, i) = p[i];

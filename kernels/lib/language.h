@@ -84,7 +84,6 @@ typedef lane_int mask __attribute__((vector_size(LANES * sizeof(lane_int))));
 DEVICE real root(real x) { EACH_LANE(x, std::sqrt) return x; }
 DEVICE real magnitude(real x) { EACH_LANE(x, std::fabs) return x; }
 DEVICE real exponential(real x) { EACH_LANE(x, std::exp) return x; }
-DEVICE float float_root(float x) { return std::sqrt(x); }
 #undef EACH_LANE
 template <class Number> /* scalar, or a table's float in a twin of double */
 DEVICE real load_lanes(const Number *p) {

@@ -4,16 +4,14 @@
    unit vectors", JCGT 3 (2014)
    pack_normal: three components of 10 bits, error below 0.1 degrees: unpacked by shifts alone, for tests of sides. */
 
-DEVICE float float_magnitude(float x) { return x < 0 ? -x : x; }
-DEVICE float smaller_float(float a, float b) { return a < b ? a : b; }
 DEVICE int nearest_int(float x) { return x < 0 ? (int)(x - 0.5f) : (int)(x + 0.5f); }
 
 DEVICE unsigned int pack_direction(float x, float y, float z) {
-  const float sum = float_magnitude(x) + float_magnitude(y) + float_magnitude(z);
+  const float sum = scalar_magnitude(x) + scalar_magnitude(y) + scalar_magnitude(z);
   float u = x / sum, v = y / sum;
   if (z < 0) { /* the lower half is folded over the diagonals */
-    const float folded_u = (1 - float_magnitude(v)) * (u < 0 ? -1.0f : 1.0f);
-    v = (1 - float_magnitude(u)) * (v < 0 ? -1.0f : 1.0f);
+    const float folded_u = (1 - scalar_magnitude(v)) * (u < 0 ? -1.0f : 1.0f);
+    v = (1 - scalar_magnitude(u)) * (v < 0 ? -1.0f : 1.0f);
     u = folded_u;
   }
   return (unsigned int)(nearest_int(u * 32767) + 32768) | (unsigned int)(nearest_int(v * 32767) + 32768) << 16;
@@ -21,13 +19,13 @@ DEVICE unsigned int pack_direction(float x, float y, float z) {
 
 DEVICE void unpack_direction(unsigned int packed, float *x, float *y, float *z) {
   float u = (float)((int)(packed & 0xffffu) - 32768) / 32767.0f, v = (float)((int)(packed >> 16) - 32768) / 32767.0f;
-  const float w = 1 - float_magnitude(u) - float_magnitude(v);
+  const float w = 1 - scalar_magnitude(u) - scalar_magnitude(v);
   if (w < 0) {
-    const float folded_u = (1 - float_magnitude(v)) * (u < 0 ? -1.0f : 1.0f);
-    v = (1 - float_magnitude(u)) * (v < 0 ? -1.0f : 1.0f);
+    const float folded_u = (1 - scalar_magnitude(v)) * (u < 0 ? -1.0f : 1.0f);
+    v = (1 - scalar_magnitude(u)) * (v < 0 ? -1.0f : 1.0f);
     u = folded_u;
   }
-  const float length = float_root(u * u + v * v + w * w);
+  const float length = scalar_root(u * u + v * v + w * w);
   *x = u / length, *y = v / length, *z = w / length;
 }
 

@@ -29,7 +29,8 @@ DEVICE Asking asking(const GatherPoint *point, const GatherSettings *settings) {
 
 /* Squared distances [m^2] of photons i .. i + LANES - 1; HUGE_F for those of another side or beyond `last`. */
 DEVICE real distances2(const PhotonArrays *map, const Asking *a, int i, int last) {
-  const real dx = load(map->x_m + i) - a->x_m, dy = load(map->y_m + i) - a->y_m, dz = load(map->z_m + i) - a->z_m;
+  const real dx = load_lanes(map->x_m + i) - a->x_m, dy = load_lanes(map->y_m + i) - a->y_m,
+             dz = load_lanes(map->z_m + i) - a->z_m;
   const mask normal = load_ints(map->normal + i);
   const real cosine =
       as_reals(normal << 22 >> 22) * a->nx + as_reals(normal << 12 >> 22) * a->ny + as_reals(normal << 2 >> 22) * a->nz;
@@ -65,7 +66,7 @@ DEVICE float kernel_norm(float radius2) {
    area: the difference tells the bias. Returns the number of photons inside. */
 DEVICE int gather_within(const PhotonArrays *map, const PhotonGrid *grid, const Asking *a, float radius2,
                          GLOBAL float *irradiance_W_m2, float *inner_W_m2) {
-  const float radius_m = float_root(radius2), per_radius2 = 1 / radius2, per_cone = 1 / (CONE_K * radius_m);
+  const float radius_m = scalar_root(radius2), per_radius2 = 1 / radius2, per_cone = 1 / (CONE_K * radius_m);
   real sum[WAVES], inner = SPREAD(0);
   for (int w = 0; w < WAVES; ++w) sum[w] = SPREAD(0);
   mask counts = SPREAD_INT(0);
@@ -78,7 +79,7 @@ DEVICE int gather_within(const PhotonArrays *map, const PhotonGrid *grid, const 
       counts += inside ? SPREAD_INT(1) : SPREAD_INT(0);
       real power = SPREAD(0);
       for (int w = 0; w < WAVES; ++w) {
-        const real wave_power = load(map->power_W + w * map->stride + i);
+        const real wave_power = load_lanes(map->power_W + w * map->stride + i);
         sum[w] += weight * wave_power;
         power += wave_power;
       }

@@ -51,7 +51,7 @@ DEVICE void rows_between(const PhotonGrid *grid, int axis, float low_m, float hi
 }
 
 DEVICE Runs runs_within(const PhotonGrid *grid, float x, float y, float z, float radius_m) {
-  const float size = float_magnitude(x) + float_magnitude(y) + float_magnitude(z) + radius_m;
+  const float size = scalar_magnitude(x) + scalar_magnitude(y) + scalar_magnitude(z) + radius_m;
   Runs runs;
   runs.place_m[0] = x, runs.place_m[1] = y, runs.place_m[2] = z;
   runs.reach_m = radius_m * 1.000002f + size * 4e-7f;

@@ -84,7 +84,7 @@ DEVICE float select_distance2(const Distances *d, int k, int total) {
   for (int step = 0;; ++step) {
     const float share = (float)(k - count_low) / (float)(count_high - count_low);
     const float from = low < 0 ? 0.0f : low;
-    float limit = from + (high - from) * (step >= 12 ? 0.5f : smaller_float(share, 0.98f));
+    float limit = from + (high - from) * (step >= 12 ? 0.5f : scalar_smaller(share, 0.98f));
     if (!(limit > low && limit < high)) limit = low; /* no number between: high it is */
     const Survey s = survey(d, limit);
     if (s.count >= k) {
@@ -101,12 +101,12 @@ DEVICE float select_distance2(const Distances *d, int k, int total) {
    within radius_m: radius_m^2. *guess_m: where to begin, and afterwards where a near-by question should. */
 DEVICE float nearest_radius2(Distances *d, const GatherSettings *settings, float *guess_m) {
   const int k = settings->nearest;
-  float too_small = 0, radius = smaller_float(*guess_m, settings->radius_m);
+  float too_small = 0, radius = scalar_smaller(*guess_m, settings->radius_m);
   for (int attempt = 0;; ++attempt) {
     d->radius_m = radius;
     const int count = list_distances(d);
     if (count >= k && (d->groups <= NEAR_GROUPS || attempt >= 8 || count < 4 * k)) {
-      const float radius2 = select_distance2(d, k, count), guess = 1.08f * float_root(radius2);
+      const float radius2 = select_distance2(d, k, count), guess = 1.08f * scalar_root(radius2);
       *guess_m = guess > 1e-6f * settings->radius_m ? guess : 1e-6f * settings->radius_m;
       return radius2 > 1e-30f ? radius2 : 1e-30f;
     }
@@ -114,11 +114,11 @@ DEVICE float nearest_radius2(Distances *d, const GatherSettings *settings, float
       if (radius >= settings->radius_m) break;
       too_small = radius;
     }
-    const float ratio = float_root(1.3f * (float)k / (float)(count > 0 ? count : 1));
-    float next = radius * smaller_float(ratio, 4);
+    const float ratio = scalar_root(1.3f * (float)k / (float)(count > 0 ? count : 1));
+    float next = radius * scalar_smaller(ratio, 4);
     if (count < k && next < 1.1f * radius) next = 1.1f * radius;
     if (count >= k && next < too_small) next = 0.5f * (radius + too_small);
-    radius = smaller_float(next, settings->radius_m);
+    radius = scalar_smaller(next, settings->radius_m);
   }
   *guess_m = settings->radius_m;
   return settings->radius_m * settings->radius_m;
