@@ -33,31 +33,34 @@ class DeviceRunner : public Runner {
 };
 
 /// Layers in closed form: elevations of the starts, the index table as the fine truth below the layers.
+template <class Scalar>
 class LayerRunner : public Runner {
  public:
-  LayerRunner(const std::shared_ptr<Device> &device, const IndexTable &table, Precision precision, double error_arcsec,
+  LayerRunner(const std::shared_ptr<Device> &device, const IndexTable &table, double error_arcsec,
               std::span<const f64::RayStart> starts)
-      : tracer_(device, layers_for(table, error_arcsec, starts), precision, {}, false) {
-    for (const f64::RayStart &start : starts) elevations_rad_.push_back(std::atan2(start.rise, start.run));
-    (void)tracer_.trace(std::span(elevations_rad_).first(1));  // compiles
+      : tracer_(device, layers_for(table, error_arcsec, starts),
+                sizeof(Scalar) == sizeof(double) ? Precision::double_ : Precision::single_),
+        rays_(tracer_, elevations_of(starts)) {
+    rays_.run();  // compiles
   }
-  void run() override {
-    const double before = tracer_.stats().device_seconds;
-    ends_ = tracer_.trace(elevations_rad_);
-    kernel_seconds_ = tracer_.stats().device_seconds - before;
-  }
-  Bent result(std::size_t ray) const override { return {ends_[ray].bending_rad, ends_[ray].outcome, 0}; }
-  double kernel_seconds() const override { return kernel_seconds_; }
+  void run() override { rays_.run(); }
+  Bent result(std::size_t ray) const override { return {rays_.bending_rad(0)[ray], rays_.outcome(0, ray), 0}; }
+  double kernel_seconds() const override { return rays_.kernel_seconds(); }
 
  private:
   static LayerTable layers_for(const IndexTable &table, double error_arcsec, std::span<const f64::RayStart> starts) {
     const double eye_m = table.cell(0, static_cast<std::size_t>(starts[0].cell)).bottom_m + starts[0].above_m;
-    return build_layer_table(table, place_layers(table, 0, eye_m, error_arcsec), eye_m, {});
+    LayerTable layers = build_layer_table(table, place_layers(table, 0, eye_m, error_arcsec), eye_m, {});
+    merge_far_layers(layers, table, {}, error_arcsec / 2, true);
+    return layers;
+  }
+  static std::vector<double> elevations_of(std::span<const f64::RayStart> starts) {
+    std::vector<double> elevations;
+    for (const f64::RayStart &start : starts) elevations.push_back(std::atan2(start.rise, start.run));
+    return elevations;
   }
   LayerTracer tracer_;
-  std::vector<double> elevations_rad_;
-  std::vector<f64::RayEnd> ends_;
-  double kernel_seconds_ = 0;
+  BendBatch<Scalar> rays_;
 };
 
 void add_layers(std::vector<Method> &methods, const std::shared_ptr<Device> &device, Precision precision,
@@ -70,8 +73,10 @@ void add_layers(std::vector<Method> &methods, const std::shared_ptr<Device> &dev
           << ", layers " << error_arcsec << "\"";
     methods.push_back(
         {"", "", words.str(), device_words(*device), error_arcsec / 30, 0,
-         [device, precision, error_arcsec](const IndexTable &table, std::span<const f64::RayStart> starts) {
-           return std::make_unique<LayerRunner>(device, table, precision, error_arcsec, starts);
+         [device, is_double, error_arcsec](const IndexTable &table,
+                                           std::span<const f64::RayStart> starts) -> std::unique_ptr<Runner> {
+           if (is_double) return std::make_unique<LayerRunner<double>>(device, table, error_arcsec, starts);
+           return std::make_unique<LayerRunner<float>>(device, table, error_arcsec, starts);
          }});
   }
 }

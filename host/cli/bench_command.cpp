@@ -7,6 +7,7 @@
 
 #include "bench/device_methods.hpp"
 #include "bench/machine.hpp"
+#include "bench/photon_suites.hpp"
 #include "bench/record.hpp"
 #include "bench/trace_suite.hpp"
 #include "cli/commands.hpp"
@@ -19,8 +20,8 @@ namespace {
 using bench::Record;
 using bench::Results;
 
-const std::vector<std::string> suites{"trace", "scenes", "all"};
-const std::vector<std::string> later_suites{"photons", "gather", "geometry", "eye"};
+const std::vector<std::string> suites{"trace", "photons", "gather", "scenes", "all"};
+const std::vector<std::string> later_suites{"geometry", "eye"};
 
 struct Request {
   std::string suite;     // "": only compare
@@ -37,13 +38,15 @@ Request request_from(const Arguments &a) {
   for (std::size_t i = 0; i < a.positional().size(); ++i) {
     const std::string &word = a.positional()[i];
     if (has(later_suites, word))
-      throw InputError(a.positional_place(i),
-                       "suite '" + word + "' is not built yet in this version: expected trace | scenes | all");
+      throw InputError(
+          a.positional_place(i),
+          "suite '" + word + "' is not built yet in this version: expected trace | photons | gather | scenes | all");
     if (has(suites, word) && request.suite.empty()) request.suite = word;
     else if (a.has("--compare") && request.new_file.empty()) request.new_file = word;
     else
-      throw InputError(a.positional_place(i),
-                       "'" + word + "': expected a suite, trace | scenes | all" + did_you_mean(word, suites));
+      throw InputError(
+          a.positional_place(i),
+          "'" + word + "': expected a suite, trace | photons | gather | scenes | all" + did_you_mean(word, suites));
   }
   if (!request.suite.empty() && !request.new_file.empty())
     throw InputError(a.positional_place(1),
@@ -65,6 +68,15 @@ std::vector<bench::Method> peer_methods(unsigned threads, bool few) {
 #endif
   (void)threads, (void)few;
   return methods;
+}
+
+std::vector<bench::NeighbourPeer> neighbour_peers(bool few) {
+#ifdef GREENRAY_BENCH_NANOFLANN
+  return bench::nanoflann_peers(few);
+#else
+  (void)few;
+  return {};
+#endif
 }
 
 /// Fastest of our records that is at least so accurate.
@@ -120,12 +132,14 @@ Results run_suites(const Request &request, const Arguments &a) {
   Results results;
   const double load = bench::load_average();
   const bench::Neighbours neighbours;
-  if (request.suite != "scenes")
-    results.records = run_trace_suite(options, peer_methods(options.threads, options.quick));
-  if (request.suite != "trace") {
-    const std::vector<Record> scenes = run_scenes_suite(options);
-    results.records.insert(results.records.end(), scenes.begin(), scenes.end());
-  }
+  const auto wanted = [&](const char *suite) { return request.suite == suite || request.suite == "all"; };
+  const auto add = [&](const std::vector<Record> &records) {
+    results.records.insert(results.records.end(), records.begin(), records.end());
+  };
+  if (wanted("trace")) add(run_trace_suite(options, peer_methods(options.threads, options.quick)));
+  if (wanted("photons")) add(run_photons_suite(options, neighbour_peers(options.quick)));
+  if (wanted("gather")) add(run_gather_suite(options, neighbour_peers(options.quick)));
+  if (wanted("scenes")) add(run_scenes_suite(options));
   const double others = neighbours.cores();
   results.contended = load > 0.5 * cores || others > 0.1 * cores;
   results.about = {{"version", version()},
@@ -182,8 +196,8 @@ std::vector<Flag> flags() {
 }  // namespace
 
 Command bench_command() {
-  return {{"bench", "[SUITE] [NEW.json]", "Speed against error, beside peers in the same run: trace | scenes | all.",
-           flags()},
+  return {{"bench", "[SUITE] [NEW.json]",
+           "Speed against error, beside peers in the same run: trace | photons | gather | scenes | all.", flags()},
           run};
 }
 

@@ -15,7 +15,7 @@ struct BuildPlan {
   bool richardson = false;
   bool with_columns = true;
   int sky_waves = 0;  // shade_sky: wavelengths, padded to whole groups of lanes
-  std::string words{};  // " -DNAME=VALUE" of one entry alone
+  std::string words = {};  // " -DNAME=VALUE" of one entry alone
 };
 
 std::string build_options(const BuildPlan &plan);

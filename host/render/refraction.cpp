@@ -41,7 +41,9 @@ Traced trace_layers_with(const Setting &setting, const Profile &profile, const R
       build_index_table(profile, request.wavelengths_nm, {request.flat, fine_arcsec, request.height_m});
   const double eye_m = f64::flattened_height_m(request.height_m, fine.curvature_per_m);
   const std::vector<double> edges = place_layers(fine, 0, eye_m, setting.table_arcsec);
-  LayerTracer tracer(device, build_layer_table(fine, edges, eye_m, {}), setting.precision, stop_if_asked);
+  LayerTable table = build_layer_table(fine, edges, eye_m, {});
+  merge_far_layers(table, fine, {}, setting.table_arcsec, false);
+  LayerTracer tracer(device, table, setting.precision, stop_if_asked);
   std::vector<double> elevations;
   for (double altitude : request.altitudes_deg) elevations.push_back(to_rad(altitude));
   Traced traced{tracer.trace(elevations), edges.size() - 1, fine.bound_arcsec, {}};

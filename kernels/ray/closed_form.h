@@ -54,7 +54,6 @@ DEVICE LayerFactors turning_factors(real near2, real far2, real c, real d, real 
 typedef struct LayerSums {
   real value[LAYER_QUANTITIES];
   real end_m; /* flattened height where it turned, or of the last edge */
-  real sine2; /* sin^2 e there */
   mask turned;
 } LayerSums;
 
@@ -68,6 +67,20 @@ typedef struct LayerSums {
 DEVICE void add_layer(LayerSums *s, GLOBAL const Layer *layer, LayerFactors f) {
   for (int q = 0; q < LAYER_QUANTITIES_SUMMED; ++q)
     s->value[q] += layer->mean[q] * f.mean + layer->tilt[q] * f.tilt + layer->bow[q] * f.bow;
+}
+
+/* The far part of a ray that is steep enough everywhere there: four nodes share one division. */
+DEVICE void add_far(LayerSums *s, GLOBAL const FarNode *nodes, int count, real sine2, real cosine2) {
+  for (int k = 0; k < count; k += 4) {
+    GLOBAL const FarNode *n = nodes + k;
+    const real a = root(sine2 + cosine2 * n[0].lift), b = root(sine2 + cosine2 * n[1].lift);
+    const real c = root(sine2 + cosine2 * n[2].lift), d = root(sine2 + cosine2 * n[3].lift);
+    const real ab = a * b, cd = c * d, inverse = R(1) / (ab * cd);
+    const real over_ab = cd * inverse, over_cd = ab * inverse;
+    for (int q = 0; q < LAYER_QUANTITIES_SUMMED; ++q)
+      s->value[q] += over_ab * (n[0].weight[q] * b + n[1].weight[q] * a) +
+                     over_cd * (n[2].weight[q] * d + n[3].weight[q] * c);
+  }
 }
 
 /* The layers one way from the eye, for rays that may turn in them. */
@@ -97,7 +110,6 @@ DEVICE void sum_turning(LayerSums *s, GLOBAL const Layer *layers, int count, rea
     alive = alive & !turns;
     s->end_m = alive ? SPREAD(layer->far_m) : s->end_m;
     near2 = alive ? far2 : SPREAD(1);
-    s->sine2 = alive ? far2 : SPREAD(0);
   }
 }
 
@@ -106,8 +118,7 @@ DEVICE void sum_straight(LayerSums *s, GLOBAL const Layer *layers, int count, re
   real near_sine = root(sine2);
   for (int k = 0; k < count; ++k) {
     GLOBAL const Layer *layer = layers + k;
-    s->sine2 = sine2 + cosine2 * layer->lift;
-    const real far_sine = root(s->sine2);
+    const real far_sine = root(sine2 + cosine2 * layer->lift);
     add_layer(s, layer, layer_factors(near_sine, far_sine, cosine2 * layer->bulge, cosine2 * layer->skew));
     near_sine = far_sine;
   }
