@@ -1,8 +1,7 @@
-/* LANES scalars from memory side by side, and masks as bits. */
+/* Masks as bits, one for each lane. */
 
 #ifdef __OPENCL_C_VERSION__
 #if LANES == 8
-DEVICE real load_lanes(GLOBAL const scalar *p) { return vload8(0, p); }
 DEVICE int lane_bits(mask m) {
   const int8 bits = m & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
   const int4 half_of = bits.lo | bits.hi;
@@ -10,23 +9,16 @@ DEVICE int lane_bits(mask m) {
   return pair.x | pair.y;
 }
 #elif LANES == 4
-DEVICE real load_lanes(GLOBAL const scalar *p) { return vload4(0, p); }
 DEVICE int lane_bits(mask m) {
   int bits = 0;
   for (int i = 0; i < 4; ++i) bits |= LANE_INT(m, i) != 0 ? 1 << i : 0;
   return bits;
 }
 #else
-DEVICE real load_lanes(GLOBAL const scalar *p) { return *p; }
 DEVICE int lane_bits(mask m) { return m != 0; }
 #endif
 DEVICE int lowest_bit(int bits) { return 31 - (int)clz(bits & -bits); }
 #else
-DEVICE real load_lanes(const scalar *p) {
-  real v;
-  for (int i = 0; i < LANES; ++i) LANE(v, i) = p[i];
-  return v;
-}
 DEVICE int lane_bits(mask m) {
   int bits = 0;
   for (int i = 0; i < LANES; ++i) bits |= LANE_INT(m, i) != 0 ? 1 << i : 0;

@@ -12,8 +12,8 @@ typedef struct AirCell {
 } AirCell;
 
 typedef struct AirShape {
-  int cells;                /* of a row; 1: the same n everywhere */
-  scalar extinction_per_m;  /* of power along the path: absorbed, not scattered */
-  scalar longest_sag_m;     /* arcs are cut so that they differ from their chords by no more (speed only) */
+  int cells;               /* of a row; 1: the same n everywhere */
+  scalar extinction_per_m; /* of power along the path: absorbed, not scattered */
+  scalar longest_sag_m;    /* arcs are cut so that they differ from their chords by no more (speed only) */
   int pad_;
 } AirShape;

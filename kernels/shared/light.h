@@ -9,17 +9,17 @@ enum LightKind {
 
 typedef struct Light {
   int kind;
-  int power;             /* row: spectral power [W/nm]; of the sun: through the disk that covers the scene */
-  int first_primitive;   /* area: into light_primitives, with running areas for their choice */
+  int power;           /* row: spectral power [W/nm]; of the sun: through the disk that covers the scene */
+  int first_primitive; /* area: into light_primitives, with running areas for their choice */
   int primitives;
-  scalar place[3];       /* point, spot; sun: centre of the lit disk */
-  scalar radius_m;       /* spot, point: 0; sun: of the lit disk */
-  scalar direction[3];   /* unit, of travel: spot's axis, sun's rays */
-  scalar cos_cone;       /* spot: of its half angle; sun: of its own angular radius */
+  scalar place[3];     /* point, spot; sun: centre of the lit disk */
+  scalar radius_m;     /* spot, point: 0; sun: of the lit disk */
+  scalar direction[3]; /* unit, of travel: spot's axis, sun's rays */
+  scalar versine;      /* 1 - cos of the half angle of the cone; point: 2; sun: of its own angular radius */
   scalar area_m2;
-  scalar radiance_share; /* area: radiance = spectral power times this [1/(m^2 sr)] */
-  scalar power_share;    /* of the photons to emit; all lights sum to 1 */
-  int pad_;
+  scalar radiance_share;     /* area: radiance = spectral power times this [1/(m^2 sr)] */
+  unsigned int first_photon; /* of a pass: photons first_photon .. of the next light are its own */
+  unsigned int photons;
 } Light;
 
 /* One primitive of an area light: number and the areas of all up to and including it, over the light's whole area. */

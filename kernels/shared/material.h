@@ -10,12 +10,12 @@ enum MaterialKind {
 
 typedef struct Material {
   int kind;
-  int reflectance; /* row: albedo, mirror's reflectance, tint of conductors; transmittance per metre is `absorption` */
-  int index;       /* row: n of dielectrics and conductors */
-  int extinction;  /* row: k of conductors */
-  int absorption;  /* row: absorption inside a dielectric [1/m] */
-  int texture;     /* image that replaces `reflectance`, or -1 */
-  int disperses;   /* 1: n differs between wavelengths, so that a bundle of them must be split */
+  int reflectance;  /* row: albedo, mirror's reflectance, tint of conductors; transmittance per metre is `absorption` */
+  int index;        /* row: n of dielectrics and conductors */
+  int extinction;   /* row: k of conductors */
+  int absorption;   /* row: absorption inside a dielectric [1/m] */
+  int texture;      /* image that replaces `reflectance`, or -1 */
+  int disperses;    /* 1: n differs between wavelengths, so that a bundle of them must be split */
   scalar roughness; /* alpha of GGX */
 } Material;
 
@@ -25,9 +25,9 @@ typedef struct Texture {
   int first, width, height, pad_;
 } Texture;
 
-/* A reflectance spectrum by three coefficients: with t the wavelength over the visible range (360 to 830 nm) in 0..1 and
-   x = (c0 t + c1) t + c2, it is 1/2 + x / (2 sqrt(1 + x^2)).
-   source: Jakob & Hanika, "A Low-Dimensional Function Space for Efficient Spectral Upsampling", EGSR 2019 */
+/* A reflectance spectrum by three coefficients: with t the wavelength over the visible range (360 to 830 nm) in 0..1
+   and x = (c0 t + c1) t + c2, it is 1/2 + x / (2 sqrt(1 + x^2)). source: Jakob & Hanika, "A Low-Dimensional Function
+   Space for Efficient Spectral Upsampling", EGSR 2019 */
 typedef struct SpectrumCurve {
   scalar c0, c1, c2, pad_;
 } SpectrumCurve;
