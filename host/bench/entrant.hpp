@@ -13,7 +13,8 @@ struct Entrant {
   const Method *method;
   TraceCase *rays;
   std::unique_ptr<Runner> runner;
-  std::size_t count = 0;  // rays of one timed run
+  std::size_t count = 0;  // rays of one run
+  int runs = 1;           // that are timed together, so that the clock is not the limit
   Accuracy accuracy;
   double steps_per_ray = 0, prepare_seconds = 0;
   std::size_t cells = 0;

@@ -146,7 +146,7 @@ class Ratios {
   }
 
   void ten_inversions() {
-    for (const auto &[what, wanted] : {std::pair<std::string, Wanted>{"closed form", closed_form}, {"ODE", steps}}) {
+    for (const auto &[what, wanted] : watched) {
       const Record *smooth = fastest("us76", wanted, 0.01), *thin = fastest("ten-inversions", wanted, 0.01);
       if (!smooth || !thin) continue;
       rows_.push_back(
@@ -155,28 +155,43 @@ class Ratios {
     }
   }
 
-  /// Last record of a case against its first, for each method.
   void growth() {
-    ends_of("both cores / one", "cores", "threads", Basis::wall, 1.8, 0);
-    ends_of("cost of a ray, most rays / fewest", "rays", "rays", Basis::cost, 0, 0);
-    ends_of("cost of a ray, most wavelengths / one", "wavelengths", "wavelengths", Basis::cost, 0, 0);
+    cores();
+    evenness("cost of a ray, most rays / a quarter of them", "rays");
+    evenness("cost of a ray, most wavelengths / half of them", "wavelengths");
   }
 
-  void ends_of(const std::string &what, const std::string &case_name, const std::string &varied, Basis basis,
-               double floor, double aim) {
-    for (const auto &[solver, wanted] : {std::pair<std::string, Wanted>{"closed form", closed_form}, {"rk45", steps}}) {
-      const Record *first = nullptr, *last = nullptr;
-      for (const Record &r : results_.records) {
-        if (r.case_name != case_name || !wanted(r)) continue;
-        if (!first || r.number(varied) < first->number(varied)) first = &r;
-        if (!last || r.number(varied) > last->number(varied)) last = &r;
-      }
-      if (!first || last == first) continue;
-      const bool whole = varied != "threads" || last->number(varied) == 2;  // 1.8 is asked of two cores
-      rows_.push_back(row(what + ", " + solver, case_name, last, first, basis, whole ? floor : 0, aim));
+  /// A method's records of a case, by what is varied.
+  std::vector<const Record *> along(const std::string &varied, const std::string &case_name,
+                                    const Wanted &wanted) const {
+    std::vector<const Record *> curve;
+    for (const Record &r : results_.records)
+      if (r.case_name == case_name && wanted(r)) curve.push_back(&r);
+    std::sort(curve.begin(), curve.end(),
+              [&](const Record *a, const Record *b) { return a->number(varied) < b->number(varied); });
+    return curve;
+  }
+
+  void cores() {
+    for (const auto &[solver, wanted] : watched) {
+      const auto curve = along("threads", "cores", wanted);
+      if (curve.size() < 2) continue;
+      const bool two_against_one = curve.front()->number("threads") == 1 && curve.back()->number("threads") == 2;
+      rows_.push_back(row("all cores / fewest, " + solver, "cores", curve.back(), curve.front(), Basis::wall,
+                          two_against_one ? 1.8 : 0, 0));
     }
   }
 
+  /// The last two points: with fewer the cost of the call itself counts.
+  void evenness(const std::string &what, const std::string &case_name) {
+    for (const auto &[solver, wanted] : watched) {
+      const auto curve = along(case_name, case_name, wanted);
+      if (curve.size() < 2) continue;
+      rows_.push_back(row(what + ", " + solver, case_name, curve.back(), curve[curve.size() - 2], Basis::cost, 0, 0));
+    }
+  }
+
+  const std::vector<std::pair<std::string, Wanted>> watched{{"closed form", closed_form}, {"ODE", steps}};
   const Results &results_;
   bool device_is_cpu_;
   std::vector<Ratio> rows_;

@@ -77,9 +77,9 @@ std::string error_words(double error, const std::string &unit) {
 
 // ---- the ratios
 
-/// 0.1 to 1000 on 150 pixels: the ratio as a dot, floor and aim as ticks.
+/// 0.1 to 10 000 on 150 pixels: the ratio as a dot, floor and aim as ticks.
 std::string track(const Ratio &r) {
-  constexpr double left = 6, width = 138, decades = 4;
+  constexpr double left = 6, width = 138, decades = 5;
   const auto place = [&](double v) { return left + width * std::clamp((std::log10(v) + 1) / decades, 0.0, 1.0); };
   std::ostringstream svg;
   svg << "<svg width=\"150\" height=\"18\" viewBox=\"0 0 150 18\" aria-hidden=\"true\"><path d=\"M" << left << " 9h"
@@ -222,7 +222,7 @@ const char *const how_ratios_are_made =
     "error is no larger than that setting’s. Speeds are rays per second of CPU time unless the row says otherwise: all "
     "methods take turns in one process, on the same threads, and the best of the rounds counts. Ticks: equal speed, "
     "<span style=\"color:#9a6a00\">floor</span>, <span style=\"color:#1c7a4d\">aim</span>; the scale runs from 0.1 to "
-    "1000.</p>\n";
+    "10 000.</p>\n";
 
 const char *const how_curves_are_read =
     "<p>Every point is one setting: its rays per second, all threads, against its largest error over the reference "

@@ -70,7 +70,7 @@ std::vector<Record> over_cores(const std::shared_ptr<Device> &device, const Suit
   std::sort(counts.begin(), counts.end());
   counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
   const auto rays =
-      std::make_shared<TraceCase>(standard_air("cores"), options.quick ? 1024 : 131072, 100, options.threads);
+      std::make_shared<TraceCase>(standard_air("cores"), options.quick ? 1024 : 524288, 100, options.threads);
   std::vector<Point> points;
   for (const unsigned threads : counts) {
     DeviceOptions part = options.device;
@@ -82,8 +82,8 @@ std::vector<Record> over_cores(const std::shared_ptr<Device> &device, const Suit
 }
 
 std::vector<Record> over_rays(const std::shared_ptr<Device> &device, const SuiteOptions &options) {
-  const std::vector<std::size_t> counts =
-      options.quick ? std::vector<std::size_t>{256, 1024} : std::vector<std::size_t>{4096, 16384, 65536, 262144};
+  const std::vector<std::size_t> counts = options.quick ? std::vector<std::size_t>{256, 1024}
+                                                        : std::vector<std::size_t>{4096, 16384, 65536, 262144, 1048576};
   const auto rays = std::make_shared<TraceCase>(standard_air("rays"), counts.back(), 100, options.threads);
   std::vector<Point> points;
   for (const std::size_t count : counts)

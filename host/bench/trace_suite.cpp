@@ -95,7 +95,7 @@ std::vector<Record> run_trace_suite(const SuiteOptions &options, const std::vect
   for (const CaseAir &air : trace_cases()) {
     if (std::none_of(methods.begin(), methods.end(), [&](const Method &m) { return takes_part(m, air); })) continue;
     if (options.say) options.say(air.name + ": reference");
-    TraceCase rays(air, options.quick ? 1024 : 32768, options.quick ? 60 : 1928, options.threads);
+    TraceCase rays(air, options.quick ? 1024 : 262144, options.quick ? 60 : 1928, options.threads);
     keep(run_case(rays, methods, options));
   }
   keep(run_scaling(options));
