@@ -8,11 +8,8 @@
 
 #include "bench/device_methods.hpp"
 #include "bench/machine.hpp"
-<<<<<<< HEAD
 #include "bench/photon_suites.hpp"
-=======
 #include "bench/ratios.hpp"
->>>>>>> main
 #include "bench/record.hpp"
 #include "bench/report.hpp"
 #include "bench/trace_suite.hpp"
@@ -26,14 +23,9 @@ namespace {
 using bench::Record;
 using bench::Results;
 
-<<<<<<< HEAD
-const std::vector<std::string> suites{"trace", "photons", "gather", "scenes", "all"};
+const std::vector<std::string> suites{"trace", "images", "photons", "gather", "scenes", "all"};
+const char *const suite_words = "trace | images | photons | gather | scenes | all";
 const std::vector<std::string> later_suites{"geometry", "eye"};
-=======
-const std::vector<std::string> suites{"trace", "images", "scenes", "all"};
-const char *const suite_words = "trace | images | scenes | all";
-const std::vector<std::string> later_suites{"photons", "gather", "geometry", "eye"};
->>>>>>> main
 
 struct Request {
   std::string suite;     // "": only compare
@@ -52,27 +44,15 @@ Request request_from(const Arguments &a) {
   for (std::size_t i = 0; i < a.positional().size(); ++i) {
     const std::string &word = a.positional()[i];
     if (has(later_suites, word))
-<<<<<<< HEAD
-      throw InputError(
-          a.positional_place(i),
-          "suite '" + word + "' is not built yet in this version: expected trace | photons | gather | scenes | all");
-=======
       throw InputError(a.positional_place(i),
                        "suite '" + word + "' is not built yet in this version: expected " + suite_words);
->>>>>>> main
     if (has(suites, word) && request.suite.empty()) request.suite = word;
     else if (request.new_file.empty() &&
              (a.has("--compare") || (shows_a_file(a) && word.find('.') != std::string::npos)))
       request.new_file = word;
     else
-<<<<<<< HEAD
-      throw InputError(
-          a.positional_place(i),
-          "'" + word + "': expected a suite, trace | photons | gather | scenes | all" + did_you_mean(word, suites));
-=======
       throw InputError(a.positional_place(i),
                        "'" + word + "': expected a suite, " + suite_words + did_you_mean(word, suites));
->>>>>>> main
   }
   if (!request.suite.empty() && !request.new_file.empty())
     throw InputError(a.positional_place(1), "expected either a suite to run or a file of an earlier run, not both");
@@ -179,16 +159,6 @@ Results run_suites(const Request &request, const Arguments &a) {
   Results results;
   const double load = bench::load_average();
   const bench::Neighbours neighbours;
-<<<<<<< HEAD
-  const auto wanted = [&](const char *suite) { return request.suite == suite || request.suite == "all"; };
-  const auto add = [&](const std::vector<Record> &records) {
-    results.records.insert(results.records.end(), records.begin(), records.end());
-  };
-  if (wanted("trace")) add(run_trace_suite(options, peer_methods(options.threads, options.quick)));
-  if (wanted("photons")) add(run_photons_suite(options, neighbour_peers(options.quick)));
-  if (wanted("gather")) add(run_gather_suite(options, neighbour_peers(options.quick)));
-  if (wanted("scenes")) add(run_scenes_suite(options));
-=======
   const auto run = [&](const std::vector<std::string> &names, auto suite) {
     if (!has(names, request.suite)) return;
     std::vector<Record> records = suite();
@@ -196,8 +166,9 @@ Results run_suites(const Request &request, const Arguments &a) {
   };
   run({"trace", "all"}, [&] { return run_trace_suite(options, peer_methods(options.threads, options.quick)); });
   run({"trace", "images", "all"}, [&] { return run_images_suite(options); });
+  run({"photons", "all"}, [&] { return run_photons_suite(options, neighbour_peers(options.quick)); });
+  run({"gather", "all"}, [&] { return run_gather_suite(options, neighbour_peers(options.quick)); });
   run({"scenes", "all"}, [&] { return run_scenes_suite(options); });
->>>>>>> main
   const double others = neighbours.cores();
   results.contended = load > 0.5 * cores || others > 0.1 * cores;
   results.about = {{"version", version()},
@@ -262,13 +233,10 @@ std::vector<Flag> flags() {
 }  // namespace
 
 Command bench_command() {
-  return {{"bench", "[SUITE] [NEW.json]",
-<<<<<<< HEAD
-           "Speed against error, beside peers in the same run: trace | photons | gather | scenes | all.", flags()},
-=======
-           "Speed against error, beside peers in the same run: trace | images | scenes | all.", flags()},
->>>>>>> main
-          run};
+  return {
+      {"bench", "[SUITE] [NEW.json]",
+       "Speed against error, beside peers in the same run: trace | images | photons | gather | scenes | all.", flags()},
+      run};
 }
 
 }  // namespace greenray::cli
