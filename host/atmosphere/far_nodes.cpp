@@ -36,15 +36,14 @@ class FarFitter {
     const MatrixXd basis = kernel(fit_s2_, node_lift), check_basis = kernel(check_s2_, node_lift);
     FarFit result{std::vector<FarNode>(std::size_t(node_lift.size())), 0, 0};
     for (Eigen::Index q = 0; q < quantities_; ++q) {
-      const ArrayXd scale = row_scale(fit_s2_, fit_truth_.col(q), q), check = row_scale(check_s2_, check_truth_.col(q), q);
+      const ArrayXd scale = row_scale(fit_s2_, fit_truth_.col(q), q),
+                    check = row_scale(check_s2_, check_truth_.col(q), q);
       const VectorXd w = (basis.array().colwise() * scale)
                              .matrix()
                              .colPivHouseholderQr()
                              .solve((fit_truth_.col(q).array() * scale).matrix());
-      const double error =
-          ((check_basis * w - check_truth_.col(q)).array() * check).abs().maxCoeff();
-      (q == 0 ? result.bending_error_rad : result.relative_error) =
-          std::max(error, q == 0 ? 0 : result.relative_error);
+      const double error = ((check_basis * w - check_truth_.col(q)).array() * check).abs().maxCoeff();
+      (q == 0 ? result.bending_error_rad : result.relative_error) = std::max(error, q == 0 ? 0 : result.relative_error);
       for (Eigen::Index k = 0; k < w.size(); ++k) result.nodes[std::size_t(k)].weight[std::size_t(q)] = w[k];
     }
     for (Eigen::Index k = 0; k < node_lift.size(); ++k) result.nodes[std::size_t(k)].lift = node_lift[k];
@@ -80,7 +79,8 @@ class FarFitter {
       basis.col(k) = v;
       VectorXd next = (x * v.array()).matrix();
       jacobi(k, k) = v.dot(next);
-      for (int twice = 0; twice < 2; ++twice) next -= basis.leftCols(k + 1) * (basis.leftCols(k + 1).transpose() * next);
+      for (int twice = 0; twice < 2; ++twice)
+        next -= basis.leftCols(k + 1) * (basis.leftCols(k + 1).transpose() * next);
       if (k + 1 == n) break;
       jacobi(k, k + 1) = jacobi(k + 1, k) = next.norm();
       v = next.normalized();

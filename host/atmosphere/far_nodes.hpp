@@ -17,11 +17,11 @@ struct FarMedium {
 };
 
 /// Nodes whose sum agrees with F for every s2 in 0..1: to error_rad for the bending (times cos e), and relatively to
-/// relative_error for the other quantities, unless bending_only. At most `most` of them, a multiple of 4; empty when that
-/// is not enough.
-/// source: derived here. The nodes are those of Gauss's quadrature in ln(lift) for the medium's own measure (Lanczos;
-/// Golub & Welsch, Math. Comp. 23 (1969) 221), since 1/sqrt(s2 e^-x + 1 - s2) is analytic in |Im x| < pi; their weights
-/// are fitted by least squares over s2, so that the measure need not be positive (air over a hot road).
+/// relative_error for the other quantities, unless bending_only. At most `most` of them, a multiple of 4; empty when
+/// that is not enough. source: derived here. The nodes are those of Gauss's quadrature in ln(lift) for the medium's own
+/// measure (Lanczos; Golub & Welsch, Math. Comp. 23 (1969) 221), since 1/sqrt(s2 e^-x + 1 - s2) is analytic in |Im x| <
+/// pi; their weights are fitted by least squares over s2, so that the measure need not be positive (air over a hot
+/// road).
 std::vector<FarNode> merge_far(const FarMedium &medium, double error_rad, double relative_error, bool bending_only,
                                std::size_t most);
 

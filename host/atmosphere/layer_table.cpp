@@ -152,7 +152,8 @@ class Placer {
 
 namespace {
 
-/// Heights inside cell i where N is level, d(ln N)/dz = gradient + 1/R = 0: there a ray may turn between two edges unseen.
+/// Heights inside cell i where N is level, d(ln N)/dz = gradient + 1/R = 0: there a ray may turn between two edges
+/// unseen.
 void add_extremes(const IndexTable &fine, std::size_t row, std::size_t i, std::vector<double> &edges) {
   const IndexCellData &c = fine.cell(row, i);
   const auto slope = [&](double t) {
@@ -234,8 +235,8 @@ LayerTable build_layer_table(const IndexTable &fine, const std::vector<double> &
 
 namespace {
 
-/// The medium above from_m, in panels thin against their distance from the eye, for there the lift tends to 0. Nothing if
-/// some of it has a lift that is not above 0.
+/// The medium above from_m, in panels thin against their distance from the eye, for there the lift tends to 0. Nothing
+/// if some of it has a lift that is not above 0.
 std::optional<FarMedium> far_medium(const IndexTable &fine, std::size_t row, double eye_m, double from_m,
                                     const LayerAbsorbers &absorbers) {
   const Medium medium(fine, row);

@@ -31,8 +31,8 @@ struct LayerAbsorbers {
 };
 
 /// Layer edges (flattened heights) for a medium: ends of the fine table's kinks, extremes of N, and halved until each
-/// layer's closed form agrees with its two halves to error_arcsec for rays that graze its lower edge, turn in its middle,
-/// or cross it. `fine` must be a good deal more accurate than error_arcsec. eye_m becomes an edge.
+/// layer's closed form agrees with its two halves to error_arcsec for rays that graze its lower edge, turn in its
+/// middle, or cross it. `fine` must be a good deal more accurate than error_arcsec. eye_m becomes an edge.
 std::vector<double> place_layers(const IndexTable &fine, std::size_t row, double eye_m, double error_arcsec);
 
 /// All layers; none merged.
@@ -40,7 +40,8 @@ LayerTable build_layer_table(const IndexTable &fine, const std::vector<double> &
                              const LayerAbsorbers &absorbers);
 
 /// Lets nodes stand for the layers far above the eye (host/atmosphere/far_nodes.hpp), as many as is cheapest, so that
-/// bending stays good to error_arcsec and, unless bending_only, columns, distance and path to error_arcsec/1000 relatively.
+/// bending stays good to error_arcsec and, unless bending_only, columns, distance and path to error_arcsec/1000
+/// relatively.
 void merge_far_layers(LayerTable &table, const IndexTable &fine, const LayerAbsorbers &absorbers, double error_arcsec,
                       bool bending_only);
 

@@ -48,8 +48,7 @@ struct BendBatch<Scalar>::State {
         status(t.device, stride * t.rows, CL_MEM_WRITE_ONLY),
         kernel(t.kernel("bend_rays", false, static_cast<int>(groups_per_item))) {
     for (std::size_t i = 0; i < stride; ++i)
-      sines.data.get()[i] =
-          count ? static_cast<Scalar>(std::sin(elevations_rad[std::min(i, count - 1)])) : Scalar{0};
+      sines.data.get()[i] = count ? static_cast<Scalar>(std::sin(elevations_rad[std::min(i, count - 1)])) : Scalar{0};
     kernel.setArg(5, sines.buffer);
     kernel.setArg(6, bending.buffer);
     kernel.setArg(7, status.buffer);

@@ -34,7 +34,8 @@ void append_nodes(std::vector<Node> &out, const std::vector<FarNode> &nodes) {
   for (const FarNode &data : nodes) {
     Node node;
     node.lift = static_cast<Scalar>(data.lift);
-    std::transform(data.weight.begin(), data.weight.end(), node.weight, [](double x) { return static_cast<Scalar>(x); });
+    std::transform(data.weight.begin(), data.weight.end(), node.weight,
+                   [](double x) { return static_cast<Scalar>(x); });
     out.push_back(node);
   }
 }
@@ -114,12 +115,12 @@ cl::Kernel LayerTracer::State::kernel(const char *name, bool with_columns, int g
   }
 }
 
-double LayerTracer::State::launch(cl::Kernel &kernel, std::size_t items) {
+double LayerTracer::State::launch(cl::Kernel &kernel, std::size_t items, std::size_t rays) {
   try {
     const std::size_t local = static_cast<std::size_t>(device.lanes.local_size);
     const std::size_t global = (items + local - 1) / local * local;
     const auto begin = std::chrono::steady_clock::now();
-    device.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(global, rows), cl::NDRange(local, 1));
+    device.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(global, rows, rays), cl::NDRange(local, 1, 1));
     device.queue.finish();
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   } catch (const cl::Error &error) {
@@ -167,6 +168,47 @@ std::vector<f64::RayEnd> trace_all(State &state, std::span<const double> elevati
   return results;
 }
 
+template <class Scalar>
+std::vector<Scalar> narrowed(std::span<const double> values, double (*f)(double)) {
+  std::vector<Scalar> out;
+  for (double v : values) out.push_back(static_cast<Scalar>(f(v)));
+  return out;
+}
+
+double same(double x) { return x; }
+
+template <class Scalar, class End, class State>
+std::vector<f64::RayEnd> all_places(State &state, std::span<const double> elevations_rad,
+                                    std::span<const double> distances_m) {
+  std::vector<f64::RayEnd> results;
+  if (elevations_rad.empty() || distances_m.empty()) return results;
+  const std::size_t each = state.rows * distances_m.size();
+  results.reserve(elevations_rad.size() * each);
+  const std::size_t chunk = std::clamp<std::size_t>((std::size_t{1} << 20) / each, 1, elevations_rad.size());
+  Buffer<Scalar> sines(state.device, chunk, "elevations"), cosines(state.device, chunk, "elevations");
+  Buffer<Scalar> distances(state.device, distances_m.size(), "distances");
+  Buffer<End> ends(state.device, chunk * each, "places on rays");
+  std::vector<End> host_ends(chunk * each);
+  distances.write(narrowed<Scalar>(distances_m, same).data(), distances_m.size());
+  cl::Kernel kernel = state.kernel("place_rays", true, 1);
+  kernel.setArg(5, sines.cl());
+  kernel.setArg(6, cosines.cl());
+  kernel.setArg(7, distances.cl());
+  kernel.setArg(8, ends.cl());
+  kernel.setArg(9, static_cast<cl_int>(distances_m.size()));
+  for (std::size_t first = 0; first < elevations_rad.size(); first += chunk) {
+    if (first > 0 && state.between_batches) state.between_batches();
+    const auto some = elevations_rad.subspan(first, std::min(chunk, elevations_rad.size() - first));
+    sines.write(narrowed<Scalar>(some, std::sin).data(), some.size());
+    cosines.write(narrowed<Scalar>(some, std::cos).data(), some.size());
+    state.stats.device_seconds +=
+        state.launch(kernel, (distances_m.size() + state.lanes() - 1) / state.lanes(), some.size());
+    ends.read(host_ends.data(), some.size() * each);
+    for (std::size_t i = 0; i < some.size() * each; ++i) results.push_back(widened(host_ends[i]));
+  }
+  return results;
+}
+
 }  // namespace
 
 LayerTracer::LayerTracer(std::shared_ptr<Device> device, const LayerTable &table, Precision precision,
@@ -180,6 +222,12 @@ const TraceStats &LayerTracer::stats() const { return state_->stats; }
 std::vector<f64::RayEnd> LayerTracer::trace(std::span<const double> elevations_rad) {
   return state_->is_double() ? trace_all<double, f64::RayEnd>(*state_, elevations_rad)
                              : trace_all<float, f32::RayEnd>(*state_, elevations_rad);
+}
+
+std::vector<f64::RayEnd> LayerTracer::places(std::span<const double> elevations_rad,
+                                             std::span<const double> distances_m) {
+  return state_->is_double() ? all_places<double, f64::RayEnd>(*state_, elevations_rad, distances_m)
+                             : all_places<float, f32::RayEnd>(*state_, elevations_rad, distances_m);
 }
 
 }  // namespace greenray

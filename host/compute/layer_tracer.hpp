@@ -12,7 +12,8 @@ namespace greenray {
 
 class LayerTracer {
  public:
-  /// Uploads the layers. between_batches may throw to stop. Throws DeviceError if double is asked of a device without it.
+  /// Uploads the layers. between_batches may throw to stop. Throws DeviceError if double is asked of a device without
+  /// it.
   LayerTracer(std::shared_ptr<Device> device, const LayerTable &table, Precision precision,
               std::function<void()> between_batches = {});
   ~LayerTracer();
@@ -20,6 +21,11 @@ class LayerTracer {
   /// One end per elevation [rad] and wavelength, [elevations][wavelengths]. Fields that only a stepping solver has
   /// (steps, cell, rise, solver_error_rad) are 0. above_m is the flattened height of the end.
   std::vector<f64::RayEnd> trace(std::span<const double> elevations_rad);
+
+  /// Where each ray is after each distance [m] along the surface, or where it ended before: [elevations][wavelengths]
+  /// [distances]. above_m is the flattened height, rise/run the tangent of the elevation there. The table must have no
+  /// layers merged. A ray in a duct is followed however far (turning_points then counts one period at most).
+  std::vector<f64::RayEnd> places(std::span<const double> elevations_rad, std::span<const double> distances_m);
 
   const TraceStats &stats() const;
 

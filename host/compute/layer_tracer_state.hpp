@@ -19,8 +19,8 @@ struct LayerTracer::State {
   /// A kernel of closed_form.cl with the layers in place, arguments 0 to 4. groups: per work-item.
   cl::Kernel kernel(const char *name, bool with_columns, int groups);
 
-  /// Runs items x wavelengths work-items; seconds until done.
-  double launch(cl::Kernel &kernel, std::size_t items);
+  /// Runs items x wavelengths x rays work-items; seconds until done.
+  double launch(cl::Kernel &kernel, std::size_t items, std::size_t rays = 1);
 
   std::shared_ptr<Device> owner;
   Device::State &device;

@@ -5,5 +5,6 @@ namespace greenray {
 #include "shared/photon.h"
 #include "shared/photon_grid.h"
 static_assert(sizeof(Photon) == 32 && sizeof(GatherPoint) == 16);
-static_assert(sizeof(PhotonGrid) == 32 && sizeof(GatherSettings) == 20 && sizeof(Gathered) == 8);
+static_assert(sizeof(PhotonGrid) == 32 && sizeof(GatherSettings) == 20 && sizeof(Gathered) == 8 &&
+              sizeof(GatherSpread) == 8);
 }  // namespace greenray

@@ -13,6 +13,7 @@ namespace greenray {
 namespace {
 
 constexpr int listed_groups = 256;  // of distances that one work-item writes down: 8 kB with 8 lanes
+constexpr const char *radius_kernel = "gather_radius";
 
 }  // namespace
 
@@ -33,7 +34,7 @@ struct PhotonGather::State {
       : owner(std::move(d)), device(owner->state()), waves(waves_asked), options(o) {
     BuildPlan plan{"gather", device.lanes.lanes_float};
     plan.words = " -DWAVES=" + std::to_string(waves) + " -DGATHER_KERNEL=" + std::to_string(o.kernel) +
-                 " -DWITH_INNER=" + (o.with_inner ? "1" : "0") +
+                 " -DWITH_SPREAD=" + (o.with_spread ? "1" : "0") +
                  " -DPOINTS_PER_ITEM=" + std::to_string(o.points_per_item) +
                  " -DNEAR_GROUPS=" + std::to_string(device.lanes.lanes_float > 1 ? listed_groups : 0);
     program = build_program(device, plan);
@@ -43,10 +44,11 @@ struct PhotonGather::State {
     count = asked.size();
     const std::size_t size = std::max<std::size_t>(count, 1);
     if (!points || points->count() < size) {
-      points.reset(), irradiance.reset(), inner.reset(), gathered.reset();
+      points.reset(), irradiance.reset(), spread.reset(), gathered.reset(), radius_m.reset();
       points.emplace(device, size, "places to gather at");
       irradiance.emplace(device, size * static_cast<std::size_t>(waves), "gathered light");
-      inner.emplace(device, size, "gathered light");
+      spread.emplace(device, size, "gathered light");
+      radius_m.emplace(device, size, "the radii of gathers");
       gathered.emplace(device, size, "gathered light");
     }
     if (count > 0) points->write(asked.data(), count);
@@ -66,9 +68,10 @@ struct PhotonGather::State {
         kernel.setArg(argument++, buffer);
       kernel.setArg(argument++, static_cast<cl_int>(m.stride));
       kernel.setArg(argument++, m.grid);
-      for (const cl::Buffer &buffer : {points->cl(), irradiance->cl(), inner->cl(), gathered->cl()})
+      for (const cl::Buffer &buffer : {points->cl(), irradiance->cl(), spread->cl(), gathered->cl()})
         kernel.setArg(argument++, buffer);
       kernel.setArg(argument + 1, settings);
+      if (std::string_view(name) == radius_kernel) kernel.setArg(argument + 2, radius_m->cl());
       if (!warm) {  // PoCL compiles at the first launch: of no points
         enqueue(kernel, argument, 0);
         device.compile_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -97,7 +100,8 @@ struct PhotonGather::State {
   std::map<std::string, cl::Kernel> kernels;
   std::size_t count = 0;
   std::optional<Buffer<GatherPoint>> points;
-  std::optional<Buffer<float>> irradiance, inner;
+  std::optional<Buffer<float>> irradiance, radius_m;
+  std::optional<Buffer<GatherSpread>> spread;
   std::optional<Buffer<Gathered>> gathered;
 };
 
@@ -109,7 +113,15 @@ void PhotonGather::set_points(std::span<const GatherPoint> points) { state_->set
 
 void PhotonGather::within(const PhotonMap &map, const GatherSettings &settings) {
   if (!(settings.radius_m > 0)) throw RunError("a gather needs a radius above 0");
-  state_->launch("gather_radius", map, settings);
+  state_->launch(radius_kernel, map, settings);
+}
+
+void PhotonGather::within(const PhotonMap &map, GatherSettings settings, std::span<const float> radius_m) {
+  if (radius_m.size() != state_->count) throw RunError("a gather needs a radius for each of its points");
+  if (radius_m.empty()) return;
+  state_->radius_m->write(radius_m.data(), radius_m.size());
+  settings.radius_m = 0;
+  state_->launch(radius_kernel, map, settings);
 }
 
 void PhotonGather::nearest(const PhotonMap &map, const GatherSettings &settings) {
@@ -122,10 +134,10 @@ GatherAnswers PhotonGather::read() const {
   GatherAnswers answers;
   const std::size_t n = state_->count;
   answers.irradiance.resize(n * static_cast<std::size_t>(state_->waves));
-  answers.inner.resize(n), answers.gathered.resize(n);
+  answers.spread.resize(n), answers.gathered.resize(n);
   if (n == 0) return answers;
   state_->irradiance->read(answers.irradiance.data(), answers.irradiance.size());
-  state_->inner->read(answers.inner.data(), n);
+  state_->spread->read(answers.spread.data(), n);
   state_->gathered->read(answers.gathered.data(), n);
   return answers;
 }

@@ -10,9 +10,9 @@ namespace greenray {
 
 struct GatherOptions {
   GatherKernel kernel = GATHER_EPANECHNIKOV;
-  bool with_inner = false;  // also from the disc of half the area: tells the bias
-  int local_size = 0;       // 0: the device's own
-  int points_per_item = 8;
+  bool with_spread = false;  // what tells bias and noise, too
+  int local_size = 0;        // 0: the device's own
+  int points_per_item = 16;
 };
 
 /// Settings of GatherSettings in the words of a user. flatness: thickness of the support over its width, above 0 to 1;
@@ -21,8 +21,8 @@ GatherSettings gather_settings(double radius_m, double flatness = 0.25, double f
 
 /// One answer per point. Irradiance is in the unit of the photons' powers per m^2.
 struct GatherAnswers {
-  std::vector<float> irradiance;  // [points][waves]
-  std::vector<float> inner;       // [points], summed over waves; 0 without GatherOptions::with_inner
+  std::vector<float> irradiance;     // [points][waves]
+  std::vector<GatherSpread> spread;  // [points]; 0 without GatherOptions::with_spread
   std::vector<Gathered> gathered;
 };
 
@@ -35,6 +35,8 @@ class PhotonGather {
   void set_points(std::span<const GatherPoint> points);
   /// From all photons nearer than settings.radius_m. Answers stay on the device until read().
   void within(const PhotonMap &map, const GatherSettings &settings);
+  /// The same with a radius of its own for each point; settings.radius_m does not matter.
+  void within(const PhotonMap &map, GatherSettings settings, std::span<const float> radius_m);
   /// From the settings.nearest nearest photons within settings.radius_m, the farthest of them only setting the radius.
   void nearest(const PhotonMap &map, const GatherSettings &settings);
   GatherAnswers read() const;

@@ -34,41 +34,21 @@ struct Traced {
   TraceStats stats;
 };
 
-Traced trace_layers_with(const Setting &setting, const Profile &profile, const RefractionRequest &request,
-                         const std::shared_ptr<Device> &device) {
-  const double fine_arcsec = std::max(setting.table_arcsec / 30, 1e-9);
-  const IndexTable fine =
-      build_index_table(profile, request.wavelengths_nm, {request.flat, fine_arcsec, request.height_m});
-  const double eye_m = f64::flattened_height_m(request.height_m, fine.curvature_per_m);
-  const std::vector<double> edges = place_layers(fine, 0, eye_m, setting.table_arcsec);
-  LayerTable table = build_layer_table(fine, edges, eye_m, {});
-  merge_far_layers(table, fine, {}, setting.table_arcsec, false);
-  LayerTracer tracer(device, table, setting.precision, stop_if_asked);
-  std::vector<double> elevations;
-  for (double altitude : request.altitudes_deg) elevations.push_back(to_rad(altitude));
-  Traced traced{tracer.trace(elevations), edges.size() - 1, fine.bound_arcsec, {}};
-  traced.stats = tracer.stats();
-  return traced;
-}
-
 Traced trace_with(const Setting &setting, const Profile &profile, const RefractionRequest &request,
                   const std::shared_ptr<Device> &device) {
-  if (request.method == RayMethod::cells) return trace_layers_with(setting, profile, request, device);
-  const IndexTable table =
-      build_index_table(profile, request.wavelengths_nm, {request.flat, setting.table_arcsec, request.height_m});
-  std::vector<f64::RayStart> starts;
-  for (double altitude : request.altitudes_deg)
-    for (std::size_t row = 0; row < request.wavelengths_nm.size(); ++row)
-      starts.push_back(launch(table, row, request.height_m, to_rad(altitude)));
-  TraceOptions options;
+  SkyRayOptions options;
+  options.height_m = request.height_m;
+  options.flat = request.flat;
+  options.method = request.method;
   options.precision = setting.precision;
-  options.integrator = request.method == RayMethod::richardson ? Integrator::richardson : Integrator::dormand_prince;
-  options.tolerance_rad = setting.step_rad;
+  options.error_arcsec = setting.table_arcsec;
+  options.step_rad = setting.step_rad;
   options.max_steps = 1000000;
-  options.between_batches = stop_if_asked;
-  RayTracer tracer(device, table, options);
-  Traced traced{tracer.trace(starts), table.cells_per_row, table.bound_arcsec, {}};
-  traced.stats = tracer.stats();
+  SkyRays rays(profile, request.wavelengths_nm, options, device);
+  std::vector<double> elevations;
+  for (double altitude : request.altitudes_deg) elevations.push_back(to_rad(altitude));
+  Traced traced{rays.trace(elevations), rays.cells(), rays.table().bound_arcsec, {}};
+  traced.stats = rays.stats();
   return traced;
 }
 
@@ -146,37 +126,64 @@ RefractionTable refraction_table(const Profile &profile, const RefractionRequest
   return result;
 }
 
-std::vector<TraceRow> trace_table(const Profile &profile, const TraceRequest &request,
-                                  const std::shared_ptr<Device> &device) {
-  const Setting setting = setting_for(request.tolerance_arcsec, request.precision);
+namespace {
+
+/// By steps: one ray for each distance.
+std::vector<f64::RayEnd> step_to_places(const Setting &setting, const Profile &profile, const TraceRequest &request,
+                                        const std::shared_ptr<Device> &device) {
   const IndexTable table =
       build_index_table(profile, request.wavelengths_nm, {request.flat, setting.table_arcsec, request.height_m});
   std::vector<f64::RayStart> starts;
-  std::vector<TraceRow> rows;
   for (double altitude : request.altitudes_deg)
     for (std::size_t w = 0; w < request.wavelengths_nm.size(); ++w)
-      for (double distance_m : request.distances_m) {
+      for (double distance_m : request.distances_m)
         starts.push_back(launch(table, w, request.height_m, to_rad(altitude), distance_m));
-        rows.push_back({altitude, request.wavelengths_nm[w], distance_m, 0, 0, 0, 0, 0});
-      }
   TraceOptions options;
   options.precision = setting.precision;
-  options.integrator = request.integrator;
+  options.integrator = request.method == RayMethod::richardson ? Integrator::richardson : Integrator::dormand_prince;
   options.tolerance_rad = setting.step_rad;
   options.max_steps = 1000000;
   options.between_batches = stop_if_asked;
-  RayTracer tracer(device, table, options);
-  const std::vector<f64::RayEnd> ends = tracer.trace(starts);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const f64::RayEnd &end = ends[i];
-    const bool trapped = end.outcome == f64::RAY_IN_FLIGHT && end.turning_points >= 2;
-    rows[i].outcome = trapped ? static_cast<int>(f64::RAY_TRAPPED) : end.outcome;
-    rows[i].height_m = f64::geometric_height_m(table.cell(0, static_cast<std::size_t>(end.cell)).bottom_m + end.above_m,
-                                               table.curvature_per_m);
-    rows[i].elevation_deg = to_deg(std::atan2(end.rise, end.run));
-    rows[i].bending_arcsec = to_arcsec(end.bending_rad);
-    rows[i].optical_path_m = end.optical_path_m;
-  }
+  std::vector<f64::RayEnd> ends = RayTracer(device, table, options).trace(starts);
+  for (f64::RayEnd &end : ends) end.above_m += table.cell(0, static_cast<std::size_t>(end.cell)).bottom_m;
+  return ends;
+}
+
+/// Layers are placed by the bending of rays that cross them; a place inside one was measured to be some ten times
+/// worse.
+constexpr double part_of_a_layer = 16;
+
+std::vector<f64::RayEnd> places_in_layers(const Setting &setting, const Profile &profile, const TraceRequest &request,
+                                          const std::shared_ptr<Device> &device) {
+  const IndexTable fine = build_index_table(
+      profile, request.wavelengths_nm, {request.flat, std::max(setting.table_arcsec / 30, 1e-9), request.height_m});
+  const double eye_m = f64::flattened_height_m(request.height_m, fine.curvature_per_m);
+  const std::vector<double> edges = place_layers(fine, 0, eye_m, setting.table_arcsec / part_of_a_layer);
+  LayerTracer tracer(device, build_layer_table(fine, edges, eye_m, {}), setting.precision, stop_if_asked);
+  std::vector<double> elevations;
+  for (double altitude : request.altitudes_deg) elevations.push_back(to_rad(altitude));
+  return tracer.places(elevations, request.distances_m);
+}
+
+}  // namespace
+
+std::vector<TraceRow> trace_table(const Profile &profile, const TraceRequest &request,
+                                  const std::shared_ptr<Device> &device) {
+  const Setting setting = setting_for(request.tolerance_arcsec, request.precision);
+  const std::vector<f64::RayEnd> ends = request.method == RayMethod::cells
+                                            ? places_in_layers(setting, profile, request, device)
+                                            : step_to_places(setting, profile, request, device);
+  const double curvature = request.flat ? 0 : 1 / profile.spec().earth_radius_m;
+  std::vector<TraceRow> rows;
+  for (double altitude : request.altitudes_deg)
+    for (double wavelength : request.wavelengths_nm)
+      for (double distance : request.distances_m) {
+        const f64::RayEnd &end = ends[rows.size()];
+        const bool trapped = end.outcome == f64::RAY_IN_FLIGHT && end.turning_points >= 2;
+        rows.push_back({altitude, wavelength, distance, trapped ? static_cast<int>(f64::RAY_TRAPPED) : end.outcome,
+                        f64::geometric_height_m(end.above_m, curvature), to_deg(std::atan2(end.rise, end.run)),
+                        to_arcsec(end.bending_rad), end.optical_path_m});
+      }
   return rows;
 }
 

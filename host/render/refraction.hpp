@@ -5,12 +5,9 @@
 #include <vector>
 
 #include "atmosphere/profile.hpp"
-#include "compute/ray_tracer.hpp"
+#include "render/sky_rays.hpp"
 
 namespace greenray {
-
-/// How a refraction is found: layers in closed form, or steps.
-enum class RayMethod { cells, dormand_prince, richardson };
 
 struct RefractionRequest {
   double height_m = 0;                // of the eye
@@ -52,7 +49,7 @@ struct TraceRequest {
   double height_m = 0;
   std::vector<double> altitudes_deg, wavelengths_nm, distances_m;
   Precision precision = Precision::double_;
-  Integrator integrator = Integrator::dormand_prince;
+  RayMethod method = RayMethod::cells;
   double tolerance_arcsec = 1e-4;
   bool flat = false;
 };

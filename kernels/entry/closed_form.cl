@@ -1,4 +1,5 @@
-/* Rays of one eye and many wavelengths through layers in closed form, LANES elevations of one wavelength side by side. */
+/* Rays of one eye and many wavelengths through layers in closed form, LANES elevations of one wavelength side by side.
+ */
 #include "lib/language.h"
 
 #include "shared/layers.h"
@@ -7,6 +8,8 @@
 #include "ray/closed_form.h"
 
 #include "ray/closed_form_path.h"
+
+#include "ray/closed_form_place.h"
 
 DEVICE LayeredAir air_of_row(__global const Layer *above, __global const Layer *below, __global const FarNode *far,
                              __global const LayerRow *rows, int4 counts, int row) {
@@ -39,8 +42,8 @@ __kernel void trace_layers(__global const Layer *above, __global const Layer *be
   record_path(&path, rows[row], ends + row, cosine, first, elevations, (int)get_global_size(1));
 }
 
-/* Bending and outcome alone: nine bytes in and out a ray. A work-item takes counts.w groups of LANES rays; sines, bending
-   and status hold whole groups (stride of them a row). */
+/* Bending and outcome alone: nine bytes in and out a ray. A work-item takes counts.w groups of LANES rays; sines,
+   bending and status hold whole groups (stride of them a row). */
 __kernel void bend_rays(__global const Layer *above, __global const Layer *below, __global const FarNode *far,
                         __global const LayerRow *rows, const int4 counts, __global const scalar *sines,
                         __global scalar *bending_rad, __global uchar *status, const int groups) {
@@ -58,3 +61,19 @@ __kernel void bend_rays(__global const Layer *above, __global const Layer *below
     store_bytes(status + at, ended);
   }
 }
+
+#if WITH_COLUMNS
+/* Places along rays: LANES distances of one ray side by side. ends: [elevations][wavelengths][distances]. */
+__kernel void place_rays(__global const Layer *above, __global const Layer *below, __global const FarNode *far,
+                         __global const LayerRow *rows, const int4 counts, __global const scalar *sines,
+                         __global const scalar *cosines, __global const scalar *distances_m, __global RayEnd *ends,
+                         const int distances) {
+  const int first = (int)get_global_id(0) * LANES, row = (int)get_global_id(1), ray = (int)get_global_id(2);
+  if (first >= distances) return;
+  real distance_m;
+  for (int i = 0; i < LANES; ++i) LANE(distance_m, i) = distances_m[min(first + i, distances - 1)];
+  const LayeredAir air = air_of_row(above, below, far, rows, counts, row);
+  place_rays_at(&air, SPREAD(sines[ray]), SPREAD(cosines[ray]), distance_m,
+                ends + (ray * (int)get_global_size(1) + row) * distances + first, 1, distances - first);
+}
+#endif

@@ -24,25 +24,25 @@
 #define MAP \
   { cell_start, x_m, y_m, z_m, normal, power_W, stride }
 
-__kernel void gather_radius(MAP_ARGUMENTS, __global const GatherPoint *points, __global float *irradiance_W_m2,
-                            __global float *inner_W_m2, __global Gathered *gathered, const int count,
-                            const GatherSettings settings) {
+#define ANSWERS                                                                                        \
+  __global const GatherPoint *points, __global float *irradiance_W_m2, __global GatherSpread *spreads, \
+      __global Gathered *gathered, const int count, const GatherSettings settings
+
+__kernel void gather_radius(MAP_ARGUMENTS, ANSWERS, __global const float *radius_m) {
   const PhotonArrays map = MAP;
   const int first = (int)get_global_id(0) * POINTS_PER_ITEM, last = min(first + POINTS_PER_ITEM, count);
   for (int i = first; i < last; ++i) {
     const GatherPoint point = points[i];
     const Asking question = asking(&point, &settings);
-    float inner;
-    gathered[i].count = gather_within(&map, &grid, &question, settings.radius_m * settings.radius_m,
-                                      irradiance_W_m2 + i * WAVES, &inner);
-    gathered[i].radius_m = settings.radius_m;
-    inner_W_m2[i] = inner;
+    const float radius = settings.radius_m > 0 ? settings.radius_m : radius_m[i];
+    GatherSpread spread;
+    gathered[i].count = gather_within(&map, &grid, &question, radius * radius, irradiance_W_m2 + i * WAVES, &spread);
+    gathered[i].radius_m = radius;
+    spreads[i] = spread;
   }
 }
 
-__kernel void gather_nearest(MAP_ARGUMENTS, __global const GatherPoint *points, __global float *irradiance_W_m2,
-                             __global float *inner_W_m2, __global Gathered *gathered, const int count,
-                             const GatherSettings settings) {
+__kernel void gather_nearest(MAP_ARGUMENTS, ANSWERS) {
   const PhotonArrays map = MAP;
   const int first = (int)get_global_id(0) * POINTS_PER_ITEM, last = min(first + POINTS_PER_ITEM, count);
   float guess_m = settings.guess_m;
@@ -54,9 +54,9 @@ __kernel void gather_nearest(MAP_ARGUMENTS, __global const GatherPoint *points, 
     const Asking question = asking(&point, &settings);
     distances.asking = &question;
     const float radius2 = nearest_radius2(&distances, &settings, &guess_m);
-    float inner;
-    gathered[i].count = gather_within(&map, &grid, &question, radius2, irradiance_W_m2 + i * WAVES, &inner);
+    GatherSpread spread;
+    gathered[i].count = gather_within(&map, &grid, &question, radius2, irradiance_W_m2 + i * WAVES, &spread);
     gathered[i].radius_m = scalar_root(radius2);
-    inner_W_m2[i] = inner;
+    spreads[i] = spread;
   }
 }

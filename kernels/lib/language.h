@@ -38,6 +38,7 @@ typedef int lane_int;
 DEVICE real root(real x) { return sqrt(x); }
 DEVICE real magnitude(real x) { return fabs(x); }
 DEVICE real exponential(real x) { return exp(x); }
+DEVICE real whole_part(real x) { return floor(x); }
 #if LANES == 1
 DEVICE real load_lanes(__global const scalar *p) { return *p; }
 DEVICE void store_lanes(__global scalar *p, real v) { *p = v; }
@@ -84,6 +85,7 @@ typedef lane_int mask __attribute__((vector_size(LANES * sizeof(lane_int))));
 DEVICE real root(real x) { EACH_LANE(x, std::sqrt) return x; }
 DEVICE real magnitude(real x) { EACH_LANE(x, std::fabs) return x; }
 DEVICE real exponential(real x) { EACH_LANE(x, std::exp) return x; }
+DEVICE real whole_part(real x) { EACH_LANE(x, std::floor) return x; }
 #undef EACH_LANE
 template <class Number> /* scalar, or a table's float in a twin of double */
 DEVICE real load_lanes(const Number *p) {

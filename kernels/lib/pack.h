@@ -1,5 +1,5 @@
 /* Unit vectors in 32 bits. The axes are exact both ways.
-   pack_direction: octahedral, 16 bits each, error below 0.003 degrees.
+   pack_direction: octahedral, 16 bits each, error below 0.004 degrees.
    source: Cigolle, Donow, Evangelakos, Mara, McGuire, Meyer, "A survey of efficient representations for independent
    unit vectors", JCGT 3 (2014)
    pack_normal: three components of 10 bits, error below 0.1 degrees: unpacked by shifts alone, for tests of sides. */

@@ -43,8 +43,8 @@ DEVICE void sample_triangle(scalar u, scalar v, scalar *second, scalar *third) {
 }
 
 /* Out of a local frame. */
-DEVICE Vec3 from_frame(Vec3 first, Vec3 second, Vec3 normal, Vec3 local) {
-  return along(along(times(first, local.x), local.y, second), local.z, normal);
+DEVICE Vec3 from_frame(Vec3 first, Vec3 second, Vec3 normal, Vec3 inside) {
+  return along(along(times(first, inside.x), inside.y, second), inside.z, normal);
 }
 
 DEVICE Vec3 mirrored(Vec3 direction, Vec3 normal) { return along(direction, R(-2) * dot3(direction, normal), normal); }

@@ -62,12 +62,11 @@ DEVICE float kernel_norm(float radius2) {
 #endif
 }
 
-/* irradiance_W_m2[WAVES], per wavelength. inner_W_m2: the same, summed over the wavelengths, from the disc of half the
-   area: the difference tells the bias. Returns the number of photons inside. */
+/* irradiance_W_m2[WAVES]; spread only WITH_SPREAD. Returns the number of photons inside. */
 DEVICE int gather_within(const PhotonArrays *map, const PhotonGrid *grid, const Asking *a, float radius2,
-                         GLOBAL float *irradiance_W_m2, float *inner_W_m2) {
+                         GLOBAL float *irradiance_W_m2, GatherSpread *spread) {
   const float radius_m = scalar_root(radius2), per_radius2 = 1 / radius2, per_cone = 1 / (CONE_K * radius_m);
-  real sum[WAVES], inner = SPREAD(0);
+  real sum[WAVES], inner = SPREAD(0), squares = SPREAD(0);
   for (int w = 0; w < WAVES; ++w) sum[w] = SPREAD(0);
   mask counts = SPREAD_INT(0);
   Runs runs = runs_within(grid, a->x_m, a->y_m, a->z_m, radius_m);
@@ -83,13 +82,15 @@ DEVICE int gather_within(const PhotonArrays *map, const PhotonGrid *grid, const 
         sum[w] += weight * wave_power;
         power += wave_power;
       }
-#if WITH_INNER
+#if WITH_SPREAD
       const real inner_weight = kernel_weight(d2, 2 * per_radius2, 1.41421356f * per_cone);
       inner += (d2 < 0.5f * radius2 ? inner_weight : SPREAD(0)) * power;
+      squares += (weight * power) * (weight * power);
 #endif
     }
   const float norm = kernel_norm(radius2);
   for (int w = 0; w < WAVES; ++w) irradiance_W_m2[w] = norm * lane_sum(sum[w]);
-  *inner_W_m2 = 2 * norm * lane_sum(inner);
+  spread->inner_W_m2 = 2 * norm * lane_sum(inner);
+  spread->variance_W2_m4 = norm * norm * lane_sum(squares);
   return lane_count(counts);
 }

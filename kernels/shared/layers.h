@@ -24,9 +24,9 @@ typedef struct Layer {
   scalar bow[LAYER_QUANTITIES];
 } Layer;
 
-/* All that lies far above the eye, merged (host/atmosphere/far_nodes.cpp): there the medium acts on a ray through its lift
-   alone, and a few lifts with weights stand for the whole of it:  integral of w dz / sin e = sum of weight / sin e(lift).
-   Their number is a multiple of 4. */
+/* All that lies far above the eye, merged (host/atmosphere/far_nodes.cpp): there the medium acts on a ray through its
+   lift alone, and a few lifts with weights stand for the whole of it:  integral of w dz / sin e = sum of weight / sin
+   e(lift). Their number is a multiple of 4. */
 typedef struct FarNode {
   scalar lift; /* above 0 */
   scalar weight[LAYER_QUANTITIES];

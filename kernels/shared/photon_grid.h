@@ -17,7 +17,7 @@ enum GatherKernel {
 };
 
 typedef struct GatherSettings {
-  float radius_m; /* of the gather; for the nearest k: the largest that may be looked through */
+  float radius_m; /* of the gather, 0: each point has its own; for the nearest k: the largest to look through */
   float guess_m;  /* nearest k: where the search begins; any value gives the same photons */
   /* A photon at height h over the surface counts as if it were at d^2 + squash h^2: the support is an ellipsoid of
      flatness 1/sqrt(1 + squash); 0: a sphere. */
@@ -26,8 +26,14 @@ typedef struct GatherSettings {
   int nearest;  /* k */
 } GatherSettings;
 
-/* Beside the irradiance. */
+/* Where a gather came from. */
 typedef struct Gathered {
   float radius_m; /* of the estimate */
   int count;      /* photons inside */
 } Gathered;
+
+/* What else a gather can tell of the irradiance summed over the wavelengths. */
+typedef struct GatherSpread {
+  float inner_W_m2;     /* from the disc of half the area: the difference tells the bias */
+  float variance_W2_m4; /* of a Poisson process with these photons: the sum of the squares of what each adds */
+} GatherSpread;

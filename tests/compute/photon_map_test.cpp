@@ -196,22 +196,81 @@ TEST(PhotonGather, RadiusAgainstBruteForce) {
         const float r2 = settings.radius_m * settings.radius_m;
         for (std::size_t q = 0; q < points.size(); ++q) {
           const Near near = near_by_hand(photons, points[q], settings);
-          double sum[3] = {0, 0, 0}, inner = 0;
+          double sum[3] = {0, 0, 0}, inner = 0, squares = 0;
           int count = 0;
           for (const auto &[d2, i] : near.photons) {
             if (d2 >= r2) break;
             ++count;
+            double whole = 0;
             for (std::size_t w = 0; w < 3; ++w) {
               const double power = static_cast<double>(photons.power_W[i * 3 + w]);
               sum[w] += kernel_by_hand(kernel, d2, r2) * power;
-              if (d2 < 0.5f * r2) inner += kernel_by_hand(kernel, d2, r2 / 2) * power;
+              whole += power;
             }
+            if (d2 < 0.5f * r2) inner += kernel_by_hand(kernel, d2, r2 / 2) * whole;
+            squares += std::pow(kernel_by_hand(kernel, d2, r2) * whole, 2);
           }
           ASSERT_EQ(answers.gathered[q].count, count) << q << " lanes " << lanes << " cell " << cell_m;
           for (std::size_t w = 0; w < 3; ++w) ASSERT_NEAR(answers.irradiance[q * 3 + w], sum[w], 6e-6 * sum[w] + 1e-9);
-          ASSERT_NEAR(answers.inner[q], inner, 6e-6 * inner + 1e-9);
+          ASSERT_NEAR(answers.spread[q].inner_W_m2, inner, 6e-6 * inner + 1e-9);
+          ASSERT_NEAR(answers.spread[q].variance_W2_m4, squares, 1e-5 * squares + 1e-9);
         }
       }
+}
+
+// oracle: a radius for each point gives what the same radius for all gives
+// tolerance: none
+TEST(PhotonGather, ARadiusForEachPoint) {
+  const Photons photons = photons_in_room(5000, 2, 8);
+  const std::vector<GatherPoint> points = points_in_room(60, 9);
+  PhotonMap map(shared_device(), {photons.records.size(), 2, 0, 0});
+  map.upload(photons.records, photons.power_W);
+  map.build(photons.records.size(), bounds_of(photons.records), 0.25);
+  PhotonGather gather(shared_device(), 2, {GATHER_CONE, true, 0, 7});
+  gather.set_points(points);
+  std::vector<float> radius_m;
+  for (std::size_t i = 0; i < points.size(); ++i) radius_m.push_back(i % 2 ? 0.4f : 0.15f);
+  gather.within(map, gather_settings(1), radius_m);
+  const GatherAnswers each = gather.read();
+  for (const float radius : {0.4f, 0.15f}) {
+    gather.within(map, gather_settings(static_cast<double>(radius)));
+    const GatherAnswers all = gather.read();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (radius_m[i] != radius) continue;
+      ASSERT_EQ(each.gathered[i].count, all.gathered[i].count);
+      ASSERT_EQ(each.irradiance[2 * i + 1], all.irradiance[2 * i + 1]);
+      ASSERT_EQ(each.spread[i].inner_W_m2, all.spread[i].inner_W_m2);
+    }
+  }
+}
+
+// oracle: the same answers from work-groups, items and threads of other sizes
+// tolerance: none
+TEST(PhotonGather, SameBitsForAnyWorkGroupAndThreads) {
+  const Photons photons = photons_in_room(9000, 4, 31);
+  const std::vector<GatherPoint> points = points_in_room(101, 32);
+  GatherSettings settings = gather_settings(0.5);
+  settings.nearest = 40;
+  const auto answers = [&](const std::shared_ptr<Device> &device, int local_size, int each) {
+    PhotonMap map(device, {photons.records.size(), 4, local_size, 0});
+    map.upload(photons.records, photons.power_W);
+    map.build(photons.records.size(), bounds_of(photons.records), 0.25);
+    PhotonGather gather(device, 4, {GATHER_EPANECHNIKOV, true, local_size, each});
+    gather.set_points(points);
+    gather.within(map, settings);
+    std::vector<float> all = gather.read().irradiance;
+    gather.nearest(map, settings);
+    const GatherAnswers nearest = gather.read();
+    all.insert(all.end(), nearest.irradiance.begin(), nearest.irradiance.end());
+    for (const GatherSpread &s : nearest.spread) all.push_back(s.inner_W_m2), all.push_back(s.variance_W2_m4);
+    return all;
+  };
+  const std::vector<float> reference = answers(shared_device(), 0, 8);
+  for (int local_size : {1, 3, 16})
+    for (int each : {1, 5, 64}) EXPECT_EQ(answers(shared_device(), local_size, each), reference);
+  DeviceOptions one_thread = device_options();
+  one_thread.threads = 1;
+  EXPECT_EQ(answers(open_device(one_thread), 0, 8), reference);
 }
 
 // oracle: brute force: the k-th of all sorted distances, in float as the device's

