@@ -79,17 +79,16 @@ std::vector<double> heights_on_path(const Row &row, const Start &start, double l
   return heights;
 }
 
-/// From the ends, the middle and the kinks, level to steep, up and down.
+/// From between the kinks, level to steep, up and down. (A level path on a kink itself may go either way.)
 std::vector<Start> test_fan(const Knots &knots) {
   std::vector<Start> fan;
   std::vector<double> from;
   for (std::size_t k = 0; k < knots.height_m.size(); ++k) {
     if (!knots.kink[k]) continue;
-    from.push_back(knots.height_m[k]);
     if (k + 1 < knots.height_m.size()) {
       std::size_t next = k + 1;
       while (!knots.kink[next]) ++next;
-      for (double t : {0.21, 0.5, 0.83})
+      for (double t : {0.05, 0.21, 0.5, 0.83, 0.95})
         from.push_back(knots.height_m[k] + t * (knots.height_m[next] - knots.height_m[k]));
     }
   }

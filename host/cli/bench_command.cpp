@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "bench/device_methods.hpp"
+#include "bench/geometry_suite.hpp"
 #include "bench/machine.hpp"
 #include "bench/photon_suites.hpp"
 #include "bench/ratios.hpp"
@@ -23,9 +24,9 @@ namespace {
 using bench::Record;
 using bench::Results;
 
-const std::vector<std::string> suites{"trace", "images", "photons", "gather", "scenes", "all"};
-const char *const suite_words = "trace | images | photons | gather | scenes | all";
-const std::vector<std::string> later_suites{"geometry", "eye"};
+const std::vector<std::string> suites{"trace", "images", "photons", "gather", "geometry", "scenes", "all"};
+const char *const suite_words = "trace | images | photons | gather | geometry | scenes | all";
+const std::vector<std::string> later_suites{"eye"};
 
 struct Request {
   std::string suite;     // "": only compare
@@ -139,6 +140,14 @@ std::string utc_now() {
   return text;
 }
 
+bench::MakeSegmentPeer segment_peer() {
+#ifdef GREENRAY_BENCH_EMBREE
+  return bench::embree_peer;
+#else
+  return {};
+#endif
+}
+
 Results run_suites(const Request &request, const Arguments &a) {
   bench::SuiteOptions options;
   options.quick = a.has("--quick");
@@ -167,6 +176,7 @@ Results run_suites(const Request &request, const Arguments &a) {
   run({"trace", "all"}, [&] { return run_trace_suite(options, peer_methods(options.threads, options.quick)); });
   run({"trace", "images", "all"}, [&] { return run_images_suite(options); });
   run({"photons", "all"}, [&] { return run_photons_suite(options, neighbour_peers(options.quick)); });
+  run({"geometry", "all"}, [&] { return run_geometry_suite(options, segment_peer()); });
   run({"gather", "all"}, [&] { return run_gather_suite(options, neighbour_peers(options.quick)); });
   run({"scenes", "all"}, [&] { return run_scenes_suite(options); });
   const double others = neighbours.cores();
@@ -235,7 +245,7 @@ std::vector<Flag> flags() {
 Command bench_command() {
   return {
       {"bench", "[SUITE] [NEW.json]",
-       "Speed against error, beside peers in the same run: trace | images | photons | gather | scenes | all.", flags()},
+       "Speed against error, beside peers in the same run: trace | images | photons | gather | geometry | scenes | all.", flags()},
       run};
 }
 

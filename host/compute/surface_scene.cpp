@@ -118,24 +118,38 @@ std::vector<surface32::PathEnd> SurfaceScene::trace(std::span<const surface32::P
   return results;
 }
 
-std::vector<surface32::SegmentHit> SurfaceScene::find(std::span<const surface32::Segment> segments) {
-  std::vector<surface32::SegmentHit> results(segments.size());
-  if (segments.empty()) return results;
-  Buffer<surface32::Segment> in(state_->device, segments.size(), "segments");
-  Buffer<surface32::SegmentHit> out(state_->device, segments.size(), "hits");
-  in.write(segments.data(), segments.size());
+void SurfaceScene::load(std::span<const surface32::Segment> segments) {
+  state_->segments.reset(), state_->segment_hits.reset();
+  if (segments.empty()) return;
+  state_->segments.emplace(state_->device, segments.size(), "segments");
+  state_->segment_hits.emplace(state_->device, segments.size(), "hits");
+  state_->segments->write(segments.data(), segments.size());
+}
+
+void SurfaceScene::run_loaded() {
+  if (!state_->segments) return;
   try {
     cl::Kernel kernel(state_->program("probe_geometry"), "find_on_segments");
     const cl_uint next = state_->bind_surfaces(kernel, 0);
-    kernel.setArg(next, in.cl());
-    kernel.setArg(next + 1, out.cl());
-    kernel.setArg(next + 2, static_cast<cl_int>(segments.size()));
-    state_->kernel_seconds = state_->launch(kernel, "find_on_segments", segments.size());
+    kernel.setArg(next, state_->segments->cl());
+    kernel.setArg(next + 1, state_->segment_hits->cl());
+    kernel.setArg(next + 2, static_cast<cl_int>(state_->segments->count()));
+    state_->kernel_seconds = state_->launch(kernel, "find_on_segments", state_->segments->count());
   } catch (const cl::Error &error) {
     throw_failed_call(error, "kernel find_on_segments", state_->device.info.name);
   }
-  out.read(results.data(), results.size());
+}
+
+std::vector<surface32::SegmentHit> SurfaceScene::find_loaded() {
+  std::vector<surface32::SegmentHit> results(state_->segments ? state_->segments->count() : 0);
+  run_loaded();
+  if (!results.empty()) state_->segment_hits->read(results.data(), results.size());
   return results;
+}
+
+std::vector<surface32::SegmentHit> SurfaceScene::find(std::span<const surface32::Segment> segments) {
+  load(segments);
+  return find_loaded();
 }
 
 }  // namespace greenray

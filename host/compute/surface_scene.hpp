@@ -23,6 +23,10 @@ class SurfaceScene {
   /// medium.
   std::vector<surface32::PathEnd> trace(std::span<const surface32::PathStart> starts);
   std::vector<surface32::SegmentHit> find(std::span<const surface32::Segment> segments);
+  /// The same in parts, for timing: segments to the device, the search alone, and its hits.
+  void load(std::span<const surface32::Segment> segments);
+  void run_loaded();
+  std::vector<surface32::SegmentHit> find_loaded();
   /// Seconds of the last kernel, its transfers left out.
   double kernel_seconds() const;
 

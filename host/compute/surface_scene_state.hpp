@@ -32,6 +32,8 @@ struct SurfaceScene::State {
   Buffer<surface32::SurfaceTriangle> triangles;
   Buffer<surface32::SurfaceSphere> spheres;
   Buffer<surface32::AirCell> cells;
+  std::optional<Buffer<surface32::Segment>> segments;  // loaded
+  std::optional<Buffer<surface32::SegmentHit>> segment_hits;
   double kernel_seconds = 0;
 };
 

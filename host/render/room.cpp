@@ -299,6 +299,7 @@ AirTable room_air(const RoomScene &scene, const std::vector<double> &wavelength_
     AirTableOptions options;
     options.low_m = static_cast<double>(bounds.low[2]), options.high_m = static_cast<double>(bounds.high[2]);
     options.length_m = diagonal_m(bounds);
+    options.error_m = 1e-3;
     air = build_air_table(layered_medium(profile, true), wavelength_nm, options);
   }
   air.extinction_per_m = scene.extinction_per_m;
