@@ -28,7 +28,7 @@ double area_m2(const Surfaces &surfaces) {
   return area;
 }
 
-/// Do wavelengths part on the way through the medium by more than a hair of the scene?
+/// Do wavelengths part on the way through the medium by more than a two-hundredth of the scene?
 bool medium_disperses(const AirTable &air, double reach_m) {
   double most = 0;
   for (std::size_t c = 0; c < air.cells; ++c) {
@@ -39,7 +39,7 @@ bool medium_disperses(const AirTable &air, double reach_m) {
     }
     most = std::max(most, high - low);
   }
-  return most * reach_m * reach_m > 1e-3 * reach_m;
+  return most * reach_m * reach_m > 5e-3 * reach_m;
 }
 
 bool has_specular(const RoomScene &scene) {

@@ -18,7 +18,8 @@ Json room_plan_json(const RoomScene &scene, const RoomOptions &options) {
   else left_out.push_back(options.straight ? "bending: --straight" : "bending: the scene has no medium");
   left_out.emplace_back("scattering in the medium");
   left_out.emplace_back(
-      "light that photons of wavelengths other than their leader would take on parted ways, below a thousandth of the "
+      "light that photons of wavelengths other than their leader would take on parted ways, below a two-hundredth of "
+      "the "
       "scene");
   return {{"size", options.size},
           {"spp", options.spp},

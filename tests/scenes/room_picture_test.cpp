@@ -122,7 +122,7 @@ void expect_like_path_tracer(const std::string &name, const std::vector<std::str
     }
   const double relative = std::sqrt(std::max(squares - noise, 0.0) / blocks) / (whole / blocks);
   EXPECT_LT(relative, tolerance);
-  RecordProperty("relative_rms", std::to_string(relative));
+  ::testing::Test::RecordProperty("relative_rms", std::to_string(relative));
   std::cout << name << ": relative RMS after noise " << relative << ", path tracer's noise "
             << std::sqrt(noise / blocks) / (whole / blocks) << "\n";
 }
