@@ -28,18 +28,20 @@ double area_m2(const Surfaces &surfaces) {
   return area;
 }
 
-/// Do wavelengths part on the way through the medium by more than a two-hundredth of the scene?
+/// Do wavelengths part on the way through the medium by more than a two-hundredth of the scene? bend, averaged over the
+/// heights, times the square of the way.
 bool medium_disperses(const AirTable &air, double reach_m) {
-  double most = 0;
-  for (std::size_t c = 0; c < air.cells; ++c) {
+  double parting = 0, height_m = 0;
+  for (std::size_t c = 1; c + 1 < air.cells; ++c) {
     double low = 1e300, high = -1e300;
     for (std::size_t w = 0; w < air.wavelength_nm.size(); ++w) {
       const double bend = air.rows[w * air.cells + c].bend;
       low = std::min(low, bend), high = std::max(high, bend);
     }
-    most = std::max(most, high - low);
+    const double thickness_m = air.rows[c + 1].bottom_m - air.rows[c].bottom_m;
+    parting += (high - low) * thickness_m, height_m += thickness_m;
   }
-  return most * reach_m * reach_m > 5e-3 * reach_m;
+  return height_m > 0 && parting / height_m * reach_m > 5e-3;
 }
 
 bool has_specular(const RoomScene &scene) {
@@ -112,7 +114,7 @@ class Room {
   PhotonBatch batch_of(int pass) const {
     PhotonBatch batch;
     batch.seed = options_.seed, batch.pass = static_cast<std::uint32_t>(pass), batch.photons = photons_of(pass);
-    batch.chunk = device_->info().is_cpu ? 256 : 32;
+    batch.chunk = chunk_;
     batch.most_bounces = scene_.photons.most_bounces;
     batch.alone = alone_;
     return batch;
@@ -128,7 +130,7 @@ class Room {
       sample.photons = part;
       tracer_->count(sample, most);
     }
-    std::array<int, 2> slots{most[0] + most[0] / 8 + 16, most[1] + most[1] / 4 + 16};
+    std::array<int, 2> slots{most[0] + most[0] / 4 + 16, most[1] + most[1] / 2 + 16};
     if (!has_specular(scene_)) slots[1] = 0;
     return slots;
   }
@@ -137,8 +139,8 @@ class Room {
     mapper_.reset();
     PhotonMapperOptions o;
     o.waves = static_cast<int>(looks_.waves());
-    o.diffuse_photons = batch.chunks() * static_cast<std::size_t>(slots_[0]);
-    o.caustic_photons = batch.chunks() * static_cast<std::size_t>(slots_[1]);
+    o.diffuse_photons = (batch.chunks() + most_doublings) * static_cast<std::size_t>(slots_[0]);
+    o.caustic_photons = (batch.chunks() + most_doublings) * static_cast<std::size_t>(slots_[1]);
     for (std::size_t a = 0; a < 3; ++a) {
       o.bounds.low_m[a] = static_cast<double>(tree_.bounds.low[a]);
       o.bounds.high_m[a] = static_cast<double>(tree_.bounds.high[a]);
@@ -167,9 +169,14 @@ class Room {
       std::array<int, 2> most{};
       if (tracer_->store(batch, mapper_->diffuse(), caustic ? *caustic : *no_caustic_, out_.report.photons, most))
         break;
-      if (pass > 0)
-        throw RunError("photons of a later pass need more room than those of the first: give more photons a pass");
-      for (std::size_t i = 0; i < 2; ++i) slots_[i] = std::max(slots_[i], most[i] + most[i] / 8);
+      if (pass > 0) {  // the same room in chunks twice as long, which differ less from each other
+        if (chunk_ >= first_chunk * static_cast<int>(most_doublings))
+          throw RunError("photons of a later pass need more room than those of the first: give more photons a pass");
+        chunk_ *= 2, batch.chunk = chunk_;
+        for (int &slots : slots_) slots *= 2;
+        continue;
+      }
+      for (std::size_t i = 0; i < 2; ++i) slots_[i] = std::max(slots_[i], most[i] + most[i] / 4);
       make_mapper(batch);
     }
     records_ = {batch.chunks() * static_cast<std::size_t>(slots_[0]),
@@ -280,6 +287,9 @@ class Room {
   std::unique_ptr<RoomTracer> tracer_;
   std::unique_ptr<PhotonMapper> mapper_;
   std::unique_ptr<PhotonMap> no_caustic_;
+  static constexpr int first_chunk = 64;             // photons that a work-item follows
+  static constexpr std::size_t most_doublings = 32;  // of its length, as a factor
+  int chunk_ = first_chunk;
   std::array<int, 2> slots_{};
   std::array<std::size_t, 2> records_{};
   bool alone_ = false;

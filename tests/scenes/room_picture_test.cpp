@@ -110,7 +110,7 @@ void expect_like_path_tracer(const std::string &name, const std::vector<std::str
       for (int j = 0; j < block; ++j)
         for (int i = 0; i < block; ++i)
           a += static_cast<double>(ours.radiance[static_cast<std::size_t>((y + j) * width + x + i)]) / (block * block);
-      constexpr int paths = 12000;
+      constexpr int paths = 60000;
       for (int k = 0; k < paths; ++k) {
         const double u = (x + block * uniform(engine) - 0.5 * width) * pixel,
                      v = (0.5 * height - y - block * uniform(engine)) * pixel;
@@ -134,8 +134,8 @@ TEST(RoomPicture, CornellLikeThePathTracer) {
 }
 
 TEST(RoomPicture, StraightCrossRoomLikeThePathTracer) {
-  // oracle, tolerance: as above
-  expect_like_path_tracer("cross-room", {"photons.emitted=2000000"}, 0.02);
+  // oracle, tolerance: as above; three photons in four miss the window, hence eight million
+  expect_like_path_tracer("cross-room", {"photons.emitted=8000000"}, 0.02);
 }
 
 }  // namespace
