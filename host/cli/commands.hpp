@@ -18,6 +18,7 @@ struct Command {
 Command devices_command();
 Command refraction_command();
 Command trace_command();
+Command transfer_command();
 Command profile_command();
 Command render_command();
 Command check_command();

@@ -13,7 +13,7 @@ namespace {
 
 std::vector<Command> all_commands() {
   return {render_command(),  check_command(),      scenes_command(), new_command(),
-          profile_command(), refraction_command(), trace_command(),  develop_command(),
+          profile_command(), refraction_command(), trace_command(), transfer_command(),  develop_command(),
           compare_command(), devices_command(),    bench_command()};
 }
 

@@ -222,7 +222,7 @@ class Renderer {
     f32::SkyView v = view();
     v.rows = 1;
     for (int row = 0; row < image_.height; ++row) {
-      v.first_row = row;
+      v.first_row = plan_.crop[1] + row;
       const std::size_t waves = air.size(), width = static_cast<std::size_t>(image_.width);
       SkyShader::Sums sums{std::vector<float>(width * waves), std::vector<float>(width * 2)};
       for (int sample = 0; sample < plan_.spp; ++sample) add_own_rays(air, v, sample, sums);
@@ -240,7 +240,7 @@ class Renderer {
     std::vector<float> azimuths;
     for (int column = 0; column < v.width; ++column) {
       float x, y;
-      f32::sample_place(&v, column, v.first_row, sample, &x, &y);
+      f32::sample_place(&v, v.first_column + column, v.first_row, sample, &x, &y);
       const f32::SkyDirection d = f32::view_direction(&v, x, y);
       elevations.push_back(static_cast<double>(d.elevation_rad));
       azimuths.push_back(d.azimuth_rad);

@@ -71,7 +71,7 @@ void read_remark(const Line &line, const std::string &text, TransferCurve &curve
   std::istringstream words(text);
   std::string hash, key;
   words >> hash >> key;
-  if (key == "profile") words >> curve.profile;
+  if (key == "profile") std::getline(words >> std::ws, curve.profile);
   if (key != "height_m" && key != "zenith_column_kg_m2") return;
   double value;
   if (!(words >> value)) line.fail(0, "expected a number after '# " + key + "'");

@@ -141,4 +141,46 @@ TEST_F(Tables, Help) {
   EXPECT_TRUE(run({"--version"}).out.starts_with("greenray "));
 }
 
+// oracle: the inferior mirage (G04 figure 5.1): over a hot road a low point is seen twice, the lower image upside down;
+// and
+//         `refraction` by steps at each image leads back to the true altitude.  tolerance: 0.02", the curve's 0.01" and
+//         steps'
+TEST_F(Tables, ImagesFromATransferFile) {
+  const Outcome written = run({"transfer", "hot-road", "--height", "1.5", "--wavelengths", "550", "--from", "-0.4",
+                               "--to", "0.4", "-o", "curve.csv"});
+  ASSERT_EQ(written.code, 0) << written.err;
+  const Json images = Json::parse(run({"transfer", "--table", "curve.csv", "--images", "-0.5,-0.7", "--json"}).out);
+  const Json &seen = images.at("rows").at(0).at("images");
+  ASSERT_EQ(seen.size(), 2U);
+  EXPECT_EQ(seen[0].at("orientation"), "inverted");
+  EXPECT_EQ(seen[1].at("orientation"), "erect");
+  EXPECT_TRUE(images.at("rows").at(1).at("images").empty());
+  for (const Json &image : seen) {
+    const std::string altitude = std::to_string(image.at("apparent_altitude_deg").get<double>());
+    const Json traced = Json::parse(run({"refraction", "hot-road", "--height", "1.5", "--altitudes", altitude,
+                                         "--wavelengths", "550", "--method", "rk", "--json"})
+                                        .out);
+    const double slope = std::max(1.0, 1 / image.at("magnification").get<double>());
+    const double rounded = 5e-7 * 3600;  // of `altitude`, to six decimals
+    EXPECT_NEAR(3600 * traced.at("rows").at(0).at("true_altitude_deg").get<double>(), 3600 * -0.5,
+                (0.02 + rounded) * slope);
+  }
+}
+
+// oracle: the flags' own descriptions: a profile or a table, never both, and nothing that does not belong.
+TEST_F(Tables, TransferRefusesHalfRequests) {
+  for (const Words &words :
+       {Words{"transfer"}, Words{"transfer", "us76", "--height", "2"},
+        Words{"transfer", "us76", "--wavelengths", "550"},
+        Words{"transfer", "us76", "--table", "x.csv", "--images", "0"}, Words{"transfer", "--table", "x.csv"},
+        Words{"transfer", "--table", "x.csv", "--images", "0"},
+        Words{"transfer", "--table", "x.csv", "--images", "0", "--height", "2"},
+        Words{"transfer", "us76", "--height", "2", "--wavelengths", "550", "--from", "2", "--to", "1"}}) {
+    const Outcome result = run(words);
+    EXPECT_EQ(result.code, 2) << result.err;
+    EXPECT_TRUE(result.out.empty());
+    EXPECT_EQ(lines_of(result.err).size(), 1U) << result.err;
+  }
+}
+
 }  // namespace greenray::cli_tests
