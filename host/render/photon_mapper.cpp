@@ -22,24 +22,24 @@ double median(std::vector<float> values) {
 }  // namespace
 
 struct PhotonMapper::State {
-  State(std::shared_ptr<Device> d, const PhotonMapperOptions &o)
-      : device(std::move(d)),
-        options(o),
-        gather(device, o.waves, {o.kernel, true, o.local_size}),
-        diffuse{PhotonMap(device, {o.diffuse_photons, o.waves, o.local_size}), o.nearest, {}} {
-    if (!(o.most_radius_m > 0) || o.nearest < 0 || o.caustic_nearest < 0 || !(o.alpha > 0 && o.alpha <= 1))
-      throw RunError("photon mapping needs a radius above 0 and an alpha above 0, up to 1");
-    if (o.caustic_photons > 0)
-      caustic = std::make_unique<Side>(
-          Side{PhotonMap(device, {o.caustic_photons, o.waves, o.local_size}), o.caustic_nearest, {}});
-  }
-
   /// One map and the radii of pass 0.
   struct Side {
+    Side(const std::shared_ptr<Device> &d, const PhotonMapperOptions &o, std::size_t photons, int k)
+        : map(d, {photons, o.waves, o.local_size}), nearest(k) {}
     PhotonMap map;
     int nearest;
     std::vector<float> radius_m;
   };
+
+  State(std::shared_ptr<Device> d, const PhotonMapperOptions &o)
+      : device(std::move(d)),
+        options(o),
+        gather(device, o.waves, {o.kernel, true, o.local_size}),
+        diffuse(device, o, o.diffuse_photons, o.nearest) {
+    if (!(o.most_radius_m > 0) || o.nearest < 0 || o.caustic_nearest < 0 || !(o.alpha > 0 && o.alpha <= 1))
+      throw RunError("photon mapping needs a radius above 0 and an alpha above 0, up to 1");
+    if (o.caustic_photons > 0) caustic = std::make_unique<Side>(device, o, o.caustic_photons, o.caustic_nearest);
+  }
 
   GatherSettings settings() const {
     return gather_settings(options.most_radius_m, options.flatness, options.facing_deg);
