@@ -156,7 +156,7 @@ std::vector<Record> run_gather_suite(const SuiteOptions &options, const std::vec
         static_cast<float>(std::sqrt(wanted * c.area_m2 / (std::acos(-1.0) * static_cast<double>(c.photons.size()))));
     PhotonMap map(f.device, {c.photons.size(), 1, 0, 0});
     map.upload(c.photons, c.power_W);
-    map.build(c.photons.size(), c.room, static_cast<double>(f.radius_m));
+    map.build(c.photons.size(), c.room, cell_of_radius(static_cast<double>(f.radius_m)));
     for (const NeighbourPeer &peer : peers) {
       if (options.say) options.say(c.name + ": build " + peer.variant);
       f.trees.push_back(peer.build(c.photons, c.power_W, options.threads));
