@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "support/angle.hpp"
+
 namespace greenray {
 namespace {
 
@@ -95,7 +97,48 @@ class FarFitter {
   MatrixXd fit_truth_, check_truth_;
 };
 
+constexpr std::size_t panel_nodes = 8;
+constexpr double panel_width = 0.25;  // of ln(lift)
+
+/// Chebyshev nodes of -1..1 and Lagrange's polynomials on them.
+std::array<double, panel_nodes> chebyshev_nodes() {
+  std::array<double, panel_nodes> t{};
+  for (std::size_t j = 0; j < panel_nodes; ++j) t[j] = -std::cos(pi * (double(j) + 0.5) / panel_nodes);
+  return t;
+}
+
+std::array<double, panel_nodes> lagrange(const std::array<double, panel_nodes> &nodes, double t) {
+  std::array<double, panel_nodes> value{};
+  for (std::size_t j = 0; j < panel_nodes; ++j) {
+    value[j] = 1;
+    for (std::size_t k = 0; k < panel_nodes; ++k)
+      if (k != j) value[j] *= (t - nodes[k]) / (nodes[j] - nodes[k]);
+  }
+  return value;
+}
+
 }  // namespace
+
+FarMedium compressed(const FarMedium &medium) {
+  static const std::array<double, panel_nodes> nodes = chebyshev_nodes();
+  const double first = std::log(*std::min_element(medium.lift.begin(), medium.lift.end()));
+  const double last = std::log(*std::max_element(medium.lift.begin(), medium.lift.end()));
+  const auto panels = static_cast<std::size_t>((last - first) / panel_width) + 1;
+  if (panels * panel_nodes >= medium.lift.size()) return medium;
+  FarMedium few;
+  for (std::size_t p = 0; p < panels; ++p)
+    for (double t : nodes) few.lift.push_back(std::exp(first + panel_width * (double(p) + 0.5 * (t + 1))));
+  few.weight.resize(few.lift.size());
+  for (std::size_t i = 0; i < medium.lift.size(); ++i) {
+    const double at = (std::log(medium.lift[i]) - first) / panel_width;
+    const std::size_t p = std::min(static_cast<std::size_t>(std::max(at, 0.0)), panels - 1);
+    const std::array<double, panel_nodes> share = lagrange(nodes, 2 * (at - double(p)) - 1);
+    for (std::size_t j = 0; j < panel_nodes; ++j)
+      for (std::size_t q = 0; q < medium.weight[i].size(); ++q)
+        few.weight[p * panel_nodes + j][q] += share[j] * medium.weight[i][q];
+  }
+  return few;
+}
 
 FarFit fit_far(const FarMedium &medium, std::size_t count, bool bending_only) {
   return FarFitter(medium, bending_only).fit(Eigen::Index(count));

@@ -16,6 +16,10 @@ struct FarMedium {
   std::vector<std::array<double, layer_quantities>> weight;  // [points], the step of z included
 };
 
+/// The same medium as few points as will do: weights are handed to eight nodes a panel of width 1/4 in ln(lift), by
+/// interpolation of the kernel, which is analytic at a distance of pi: exact to about 1e-13.
+FarMedium compressed(const FarMedium &medium);
+
 /// Nodes whose sum agrees with F for every s2 in 0..1: to error_rad for the bending (times cos e), and relatively to
 /// relative_error for the other quantities, unless bending_only. At most `most` of them, a multiple of 4; empty when
 /// that is not enough. source: derived here. The nodes are those of Gauss's quadrature in ln(lift) for the medium's own

@@ -96,6 +96,9 @@ double closed_form(const LayerData &layer, double near2, double far2, std::size_
 
 constexpr double air_mass_error = 4e-5;  // relative, of one layer's share
 
+/// Allowed to the distance across a layer without air, relatively: nothing else could be wrong there.
+double vacuum_error(double error_arcsec) { return std::clamp(1e-2 * error_arcsec, 1e-10, 3e-7); }
+
 class Placer {
  public:
   Placer(const IndexTable &fine, std::size_t row, double error_rad) : medium_(fine, row), error_rad_(error_rad) {}
@@ -140,6 +143,11 @@ class Placer {
           closed_form(first, near2, mid2, f64::LAYER_AIR) + closed_form(second, mid2, far2, f64::LAYER_AIR);
       const double off = std::abs(closed_form(whole, near2, far2, f64::LAYER_AIR) - air);
       if (air > 0) worst = std::max(worst, off / air * error_rad_ / air_mass_error);
+      if (whole.mean[f64::LAYER_BENDING] != 0) continue;
+      const double way =
+          closed_form(first, near2, mid2, f64::LAYER_DISTANCE) + closed_form(second, mid2, far2, f64::LAYER_DISTANCE);
+      const double miss = std::abs(closed_form(whole, near2, far2, f64::LAYER_DISTANCE) - way) / way;
+      worst = std::max(worst, miss * error_rad_ / vacuum_error(to_arcsec(error_rad_)));
     }
     return worst;
   }
@@ -259,7 +267,7 @@ std::optional<FarMedium> far_medium(const IndexTable &fine, std::size_t row, dou
     from = to;
   }
   if (far.lift.empty()) return std::nullopt;
-  return far;
+  return compressed(far);
 }
 
 constexpr std::size_t layer_cost = 3;  // of one layer, in nodes
@@ -272,7 +280,7 @@ void merge_far_layers(LayerTable &table, const IndexTable &fine, const LayerAbso
   const std::vector<LayerData> &layers = table.above.front().layers;
   const double error_rad = from_arcsec(error_arcsec), relative = error_arcsec / 1000;
   std::size_t best_cost = layer_cost * layers.size(), best_near = layers.size(), best_count = 0;
-  for (std::size_t near = 1; near < layers.size() && layer_cost * near + 4 < best_cost; ++near) {
+  for (std::size_t near = 1; near < layers.size() && layer_cost * near + 4 < best_cost; near += 1 + near / 4) {
     if (layers[near - 1].lift <= 0) continue;
     const auto far = far_medium(fine, 0, table.eye_m, layers[near - 1].far_m, absorbers);
     if (!far) continue;

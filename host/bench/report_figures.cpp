@@ -183,7 +183,7 @@ std::vector<Figure> growth_figures(const Results &results) {
     if (records.empty()) return;
     PlotPanel panel;
     panel.x = {label, "", log};
-    panel.y = {"rays per second", "", false, 0.0};
+    panel.y = {"rays per second", "", true};
     for (const std::string &curve : distinct(records, [](const Record &r) { return r.curve(); })) {
       PlotLine line{curve, "", {}, {}};
       for (const Record *r : records) {
@@ -193,6 +193,7 @@ std::vector<Figure> growth_figures(const Results &results) {
       }
       panel.lines.push_back(line);
     }
+    widen(panel.y, column(panel, &PlotLine::y));
     if (figure.legend.empty()) figure.legend = panel.lines;
     figure.plot.panels.push_back(panel);
   };

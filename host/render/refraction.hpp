@@ -27,7 +27,7 @@ struct RefractionRow {
   double min_height_m, max_height_m;
   std::optional<double> ground_distance_m;
   int turning_points;
-  double error_arcsec;  // estimate: difference of two settings (table, tolerance, precision)
+  double error_arcsec;  // bound: see refraction_table
 };
 
 struct RefractionTable {
@@ -41,7 +41,9 @@ struct RefractionTable {
 
 /// Traces twice, with a coarser and a finer table and step tolerance, and tightens both until the difference is within
 /// the tolerance; in float the finer one is in double where the device has it, so that rounding is part of the
-/// estimate.
+/// estimate. A row's error: one and a half times that difference, plus what both settings may have in common, the finer
+/// one's table error times max(1, |dR/da|), for near a fold an error of direction is an error of refraction so many
+/// times larger.
 RefractionTable refraction_table(const Profile &profile, const RefractionRequest &request,
                                  const std::shared_ptr<Device> &device);
 
