@@ -61,7 +61,8 @@ struct Field {
 
 std::vector<Record> race_within(Field &f, PhotonMap &map) {
   const auto count = static_cast<double>(f.c.points.size());
-  const BruteForce truth = brute_force(f.c, f.checked, f.radius_m, f.options.threads);
+  const BruteForce truth = brute_force(f.c, f.checked, f.radius_m, false, f.options.threads);
+  const BruteForce wall_truth = brute_force(f.c, f.checked, f.radius_m, true, f.options.threads);
   std::vector<Contender> group;
   const GatherSettings ball = gather_settings(static_cast<double>(f.radius_m), 1, 180);
   const GatherSettings sides = gather_settings(static_cast<double>(f.radius_m));
@@ -79,8 +80,8 @@ std::vector<Record> race_within(Field &f, PhotonMap &map) {
                      gather.within(map, settings);
                      (void)gather.read();
                    }};
-    const Accuracy a =
-        accuracy_within(truth, f.checked, answers.irradiance, [&](std::size_t i) { return answers.gathered[i].count; });
+    const Accuracy a = accuracy_within(with_sides ? wall_truth : truth, f.checked, answers.irradiance,
+                                       [&](std::size_t i) { return answers.gathered[i].count; });
     ours.record.error = a.error;
     ours.record.more["wrong_counts"] = a.wrong_counts;
     double mean = 0;
@@ -107,7 +108,7 @@ double radius_error(const std::vector<float> &truth2, const std::vector<std::siz
                     const std::function<double(std::size_t)> &radius_m) {
   double worst = 0;
   for (std::size_t i = 0; i < points.size(); ++i)
-    worst = std::max(worst, std::abs(radius_m(points[i]) / std::sqrt(static_cast<double>(truth2[i])) - 1));
+    worst = std::max(worst, std::abs(radius_m(points[i]) / static_cast<double>(std::sqrt(truth2[i])) - 1));
   return worst;
 }
 
@@ -136,7 +137,7 @@ std::vector<Record> race_nearest(Field &f, PhotonMap &map) {
                    [&, p] { f.trees[p]->nearest(f.c.points, wanted, radius2); }};
     peer.run();
     peer.record.error =
-        radius_error(truth2, f.checked, [&](std::size_t i) { return std::sqrt(static_cast<double>(radius2[i])); });
+        radius_error(truth2, f.checked, [&](std::size_t i) { return static_cast<double>(std::sqrt(radius2[i])); });
     group.push_back(std::move(peer));
   }
   SuiteOptions fewer = f.options;
@@ -155,7 +156,7 @@ std::vector<Record> run_gather_suite(const SuiteOptions &options, const std::vec
         static_cast<float>(std::sqrt(wanted * c.area_m2 / (std::acos(-1.0) * static_cast<double>(c.photons.size()))));
     PhotonMap map(f.device, {c.photons.size(), 1, 0, 0});
     map.upload(c.photons, c.power_W);
-    map.build(c.photons.size(), c.room, static_cast<double>(f.radius_m));
+    map.build(c.photons.size(), c.room, cell_of_radius(static_cast<double>(f.radius_m)));
     for (const NeighbourPeer &peer : peers) {
       if (options.say) options.say(c.name + ": build " + peer.variant);
       f.trees.push_back(peer.build(c.photons, c.power_W, options.threads));

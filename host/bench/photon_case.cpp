@@ -96,14 +96,15 @@ PhotonCase photon_case(bool lit, std::size_t photons, int width, int height) {
   return c;
 }
 
-BruteForce brute_force(const PhotonCase &c, const std::vector<std::size_t> &points, float radius_m, unsigned threads) {
+BruteForce brute_force(const PhotonCase &c, const std::vector<std::size_t> &points, float radius_m, bool one_wall,
+                       unsigned threads) {
   BruteForce out{std::vector<double>(points.size()), std::vector<int>(points.size())};
   const float radius2 = radius_m * radius_m;
   on_threads(points.size(), 4, threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t q = first; q < last; ++q)
       for (std::size_t i = 0; i < c.photons.size(); ++i) {
         const float d2 = distance2(c.photons[i], c.points[points[q]]);
-        if (!(d2 < radius2)) continue;
+        if (!(d2 < radius2) || (one_wall && c.photons[i].normal != c.points[points[q]].normal)) continue;
         ++out.counts[q];
         const double r2 = static_cast<double>(radius2);
         out.irradiance[q] +=

@@ -25,7 +25,9 @@ struct BruteForce {
   std::vector<double> irradiance;
   std::vector<int> counts;
 };
-BruteForce brute_force(const PhotonCase &c, const std::vector<std::size_t> &points, float radius_m, unsigned threads);
+/// one_wall: of the asking point's own wall only.
+BruteForce brute_force(const PhotonCase &c, const std::vector<std::size_t> &points, float radius_m, bool one_wall,
+                       unsigned threads);
 
 /// Squared distance of the k-th nearest photon, over all photons.
 std::vector<float> brute_nearest(const PhotonCase &c, const std::vector<std::size_t> &points, int k, unsigned threads);

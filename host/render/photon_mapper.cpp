@@ -45,8 +45,8 @@ struct PhotonMapper::State {
     return gather_settings(options.most_radius_m, options.flatness, options.facing_deg);
   }
 
-  /// A cell for the search of pass 0: as many photons as asked for, were they spread over the box's faces.
-  double first_cell_m(const Side &side, std::size_t records) const {
+  /// Where the search of pass 0 begins: as many photons as asked for, were they spread over the box's faces.
+  double first_radius_m(const Side &side, std::size_t records) const {
     double area_m2 = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t a = (k + 1) % 3, b = (k + 2) % 3;
@@ -62,21 +62,21 @@ struct PhotonMapper::State {
   void ask(Side &side, int pass, std::size_t records, PassIrradiance &sum) {
     const double ratio = pass_radius_ratio(pass, options.alpha), begin = now();
     const bool search = side.radius_m.empty();
-    const double cell_m = search ? first_cell_m(side, records) : median(side.radius_m) * ratio;
-    side.map.build(records, options.bounds, cell_m);
+    const double radius_m = search ? first_radius_m(side, records) : median(side.radius_m) * ratio;
+    side.map.build(records, options.bounds, cell_of_radius(radius_m));
     const double built = now();
     sum.build_seconds += built - begin;
     GatherSettings s = settings();
     if (search && side.nearest > 0) {
       s.nearest = side.nearest;
-      s.guess_m = static_cast<float>(cell_m);
+      s.guess_m = static_cast<float>(radius_m);
       gather.nearest(side.map, s);
     } else if (search) {
       gather.within(side.map, s);
     } else {
-      std::vector<float> radius_m(side.radius_m);
-      for (float &r : radius_m) r *= static_cast<float>(ratio);
-      gather.within(side.map, s, radius_m);
+      std::vector<float> shrunk(side.radius_m);
+      for (float &r : shrunk) r *= static_cast<float>(ratio);
+      gather.within(side.map, s, shrunk);
     }
     const GatherAnswers answers = gather.read();
     for (std::size_t i = 0; i < answers.irradiance.size(); ++i) sum.irradiance[i] += answers.irradiance[i];
