@@ -7,7 +7,9 @@
 #include <thread>
 
 #include "bench/device_methods.hpp"
+#include "bench/geometry_suite.hpp"
 #include "bench/machine.hpp"
+#include "bench/photon_suites.hpp"
 #include "bench/ratios.hpp"
 #include "bench/record.hpp"
 #include "bench/report.hpp"
@@ -22,9 +24,9 @@ namespace {
 using bench::Record;
 using bench::Results;
 
-const std::vector<std::string> suites{"trace", "images", "scenes", "all"};
-const char *const suite_words = "trace | images | scenes | all";
-const std::vector<std::string> later_suites{"photons", "gather", "geometry", "eye"};
+const std::vector<std::string> suites{"trace", "images", "photons", "gather", "geometry", "scenes", "all"};
+const char *const suite_words = "trace | images | photons | gather | geometry | scenes | all";
+const std::vector<std::string> later_suites{"eye"};
 
 struct Request {
   std::string suite;     // "": only compare
@@ -81,6 +83,15 @@ std::vector<bench::Method> peer_methods(unsigned threads, bool few) {
   return methods;
 }
 
+std::vector<bench::NeighbourPeer> neighbour_peers(bool few) {
+#ifdef GREENRAY_BENCH_NANOFLANN
+  return bench::nanoflann_peers(few);
+#else
+  (void)few;
+  return {};
+#endif
+}
+
 /// Fastest of our records that is at least so accurate.
 const Record *fastest(const std::vector<Record> &records, const std::string &case_name, double error) {
   const Record *best = nullptr;
@@ -129,6 +140,14 @@ std::string utc_now() {
   return text;
 }
 
+bench::MakeSegmentPeer segment_peer() {
+#ifdef GREENRAY_BENCH_EMBREE
+  return bench::embree_peer;
+#else
+  return {};
+#endif
+}
+
 Results run_suites(const Request &request, const Arguments &a) {
   bench::SuiteOptions options;
   options.quick = a.has("--quick");
@@ -156,6 +175,9 @@ Results run_suites(const Request &request, const Arguments &a) {
   };
   run({"trace", "all"}, [&] { return run_trace_suite(options, peer_methods(options.threads, options.quick)); });
   run({"trace", "images", "all"}, [&] { return run_images_suite(options); });
+  run({"photons", "all"}, [&] { return run_photons_suite(options, neighbour_peers(options.quick)); });
+  run({"geometry", "all"}, [&] { return run_geometry_suite(options, segment_peer()); });
+  run({"gather", "all"}, [&] { return run_gather_suite(options, neighbour_peers(options.quick)); });
   run({"scenes", "all"}, [&] { return run_scenes_suite(options); });
   const double others = neighbours.cores();
   results.contended = load > 0.5 * cores || others > 0.1 * cores;
@@ -221,9 +243,10 @@ std::vector<Flag> flags() {
 }  // namespace
 
 Command bench_command() {
-  return {{"bench", "[SUITE] [NEW.json]",
-           "Speed against error, beside peers in the same run: trace | images | scenes | all.", flags()},
-          run};
+  return {
+      {"bench", "[SUITE] [NEW.json]",
+       "Speed against error, beside peers in the same run: trace | images | photons | gather | geometry | scenes | all.", flags()},
+      run};
 }
 
 }  // namespace greenray::cli

@@ -13,6 +13,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/progress.hpp"
+#include "cli/room_command.hpp"
 #include "image/colour.hpp"
 #include "image/exr.hpp"
 #include "render/report.hpp"
@@ -139,6 +140,7 @@ void check_writable(const fs::path &path) {
 }
 
 int run(const Arguments &a) {
+  if (const std::optional<int> done = render_room_scene(a)) return *done;
   const auto begin = Clock::now();
   RenderOptions options = options_from(a);
   const Scene scene = load_scene(a.positional()[0], a.all("--set"), a.positional_place(0));

@@ -166,6 +166,30 @@ std::optional<std::size_t> TomlTable::word_index(const std::string &key, const s
   return std::nullopt;
 }
 
+bool TomlTable::read(const std::string &key, std::vector<std::string> &into,
+                     const std::vector<std::string> &allowed) const {
+  const toml::node *node = find(key);
+  if (!node) return false;
+  const std::string expected = "an array of words, each one of " + comma_list(allowed);
+  const toml::array *array = node->as_array();
+  if (!array) return wrong(key, *node, expected), false;
+  std::vector<std::string> words;
+  bool right = true;
+  for (const toml::node &element : *array) {
+    const bool is_allowed =
+        element.is_string() && std::find(allowed.begin(), allowed.end(), element.as_string()->get()) != allowed.end();
+    if (is_allowed) words.push_back(element.as_string()->get());
+    else wrong(key, element, expected), right = false;
+  }
+  if (right) into = std::move(words);
+  return right;
+}
+
+bool TomlTable::holds_array(const std::string &key) const {
+  const toml::node *node = find(key);
+  return node && node->is_array();
+}
+
 bool TomlTable::holds_table(const std::string &key) const {
   const toml::node *node = find(key);
   return node && node->is_table();

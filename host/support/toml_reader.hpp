@@ -60,6 +60,9 @@ class TomlTable {
   /// All numbers of an array; wrong elements are complained about one by one.
   bool read(const std::string &key, std::vector<double> &into, const Limits &limits) const;
 
+  /// All words of an array; those not allowed are complained about one by one.
+  bool read(const std::string &key, std::vector<std::string> &into, const std::vector<std::string> &allowed) const;
+
   template <class Value>
   using Words = std::vector<std::pair<const char *, Value>>;
   template <class Value>
@@ -73,6 +76,7 @@ class TomlTable {
 
   TomlTable table(const std::string &key) const;
   bool holds_table(const std::string &key) const;
+  bool holds_array(const std::string &key) const;
   std::vector<TomlTable> rows(const std::string &key) const;  // [[key]] or key = [{..}, ..]
 
   /// Complains at the table when `key` is absent. expected: "a number from 0 to 5 m" or another noun phrase.

@@ -1,0 +1,131 @@
+#include "cli/room_command.hpp"
+
+#include <chrono>
+#include <filesystem>
+#include <iomanip>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "atmosphere/profile_file.hpp"
+#include "cli/progress.hpp"
+#include "image/colour.hpp"
+#include "image/develop.hpp"
+#include "image/exr.hpp"
+#include "render/room_report.hpp"
+#include "support/atomic_file.hpp"
+#include "support/embedded.hpp"
+#include "support/toml_reader.hpp"
+#include "support/version.hpp"
+
+namespace greenray::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+/// The text of a room, under its file name; nothing if the name is no room.
+std::optional<std::pair<std::string, std::string>> room_text(const std::string &name, const SourcePlace &place) {
+  for (const std::string &file : {name, "scenes/" + name + ".toml"}) {
+    std::optional<std::string> text = file_contents(file, max_toml_bytes, place);
+    if (!text && file != name)
+      if (const auto shipped = embedded_file(file)) text = std::string(*shipped);
+    if (text) return is_room_text(file, *text) ? std::optional(std::make_pair(file, *text)) : std::nullopt;
+  }
+  return std::nullopt;
+}
+
+RoomOptions options_from(const Arguments &a, const RoomScene &scene) {
+  RoomOptions o;
+  o.seed = static_cast<std::uint32_t>(a.optional_number("--seed", 0, 4294967295.0, "").value_or(1));
+  o.straight = a.has("--straight");
+  o.size = scene.camera.resolution;
+  if (a.has("--size")) {
+    int w = 0, h = 0;
+    char x = 0, rest = 0;
+    std::istringstream words(a.text("--size"));
+    if (!(words >> w >> x >> h) || words >> rest || x != 'x' || w < 1 || h < 1 || w > 16384 || h > 16384)
+      a.fail("--size", "expected WxH in pixels, 1x1 to 16384x16384");
+    o.size = {w, h};
+  }
+  if (a.has("--quick")) o.size = {std::max(1, o.size[0] / 4), std::max(1, o.size[1] / 4)};
+  if (scene.photons.emitted < 40000) o.passes = 1;
+  if (const auto spp = a.optional_number("--spp", 1, 1 << 16, "samples a pixel")) o.spp = static_cast<int>(*spp);
+  for (const char *later : {"--crop", "--error", "--minutes"})
+    if (a.has(later)) a.fail(later, "not built yet for scenes with a [camera]");
+  return o;
+}
+
+ExrAttributes attributes_of(const RoomScene &scene, const RoomOptions &options, const Device &device) {
+  return {{"greenray.version", std::string(version())},
+          {"greenray.scene", scene.text},
+          {"greenray.scene_hash", room_hash(scene)},
+          {"greenray.seed", std::to_string(options.seed)},
+          {"greenray.device", device.info().name},
+          {"greenray.straight", std::string(options.straight ? "yes" : "no")},
+          {"greenray.exaggerate", scene.air ? scene.air->exaggerate : 1.0},
+          {"greenray.fov_deg", scene.camera.fov_deg}};
+}
+
+void print_header(const RoomScene &scene, const RoomOptions &options, const Device &device) {
+  std::cout << "greenray " << version() << "   scene " << scene.name << "  \"" << scene.title << "\"\n"
+            << "device   " << device.info().address() << " " << device.info().name << " (" << device.info().driver
+            << ")\n"
+            << "plan     " << options.size[0] << "x" << options.size[1] << ", " << options.spp << " spp, "
+            << scene.photons.emitted << " photons in " << options.passes << " passes, " << scene.spectrum.samples
+            << " wavelengths, " << scene.surfaces.triangles.size() << " triangles\n";
+  if (scene.air && scene.air->exaggerate != 1)
+    std::cout << "air      refractivity EXAGGERATED " << scene.air->exaggerate << " times\n";
+  std::cout << std::flush;
+}
+
+void print_summary(const RoomReport &r, double total) {
+  const PhotonTotals &p = r.photons;
+  std::cout << std::setprecision(4) << "compile  kernels " << r.compile_seconds << " s\n"
+            << "done     " << total << " s: photons " << r.emit_seconds << " ("
+            << static_cast<double>(p.photons) / std::max(r.emit_seconds, 1e-9) / 1e6 << " M/s), map " << r.map_seconds
+            << ", gather " << r.gather_seconds << ", eye " << r.eye_seconds << "\n         stored " << p.stored[0]
+            << " diffuse, " << p.stored[1] << " caustic; noise " << 100 * r.noise_rms << " %, bias " << 100 * r.bias
+            << " %, medium " << r.air_cells << " cells good to " << 1000 * r.table_error_m << " mm\n";
+}
+
+}  // namespace
+
+std::optional<int> render_room_scene(const Arguments &a) {
+  const auto begin = Clock::now();
+  const auto text = room_text(a.positional()[0], a.positional_place(0));
+  if (!text) return std::nullopt;
+  const RoomScene scene = parse_room(text->first, text->second, a.all("--set"));
+  RoomOptions options = options_from(a, scene);
+  fs::path exr = a.has("--output") ? fs::path(a.file("--output", ".exr")) : fs::path(scene.output.image);
+  if (exr.empty()) exr = fs::path("out") / (scene.name + ".exr");
+  const std::shared_ptr<Device> device = open_device(device_options(a));
+  { AtomicFile(exr).write("x"); }  // is there room and right to write there?
+  const bool quiet = a.has("--quiet"), json = a.has("--json");
+  Progress progress(quiet ? Progress::Style::quiet : json ? Progress::Style::json : Progress::Style::text);
+  if (!quiet && !json) print_header(scene, options, *device);
+  options.progress = [&](const std::string &phase, double fraction) { progress.show(phase, fraction, 0); };
+  const RoomPicture picture = render_room(scene, options, device);
+  progress.end();
+
+  const auto develop_begin = Clock::now();
+  const CameraPicture camera = develop_camera(rgb_from_spectral(picture.image), {scene.eye.exposure_ev, 8, true});
+  const double develop_seconds = seconds_since(develop_begin);
+  AtomicFileSet files;
+  write_exr(files.add(exr), picture.image, attributes_of(scene, options, *device), {scene.output.spectral});
+  write_png(files.add(fs::path(exr).replace_extension(".png")), camera.pixels);
+  const nlohmann::json report =
+      room_report_json(scene, options, picture.report, *device, develop_seconds, seconds_since(begin));
+  files.add(fs::path(exr).replace_extension(".json")).write(report.dump(1) + "\n");
+  stop_if_asked();
+  files.commit();
+  if (json) std::cout << nlohmann::json{{"event", "done"}, {"report", report}}.dump() << "\n";
+  if (!quiet && !json) {
+    print_summary(picture.report, seconds_since(begin));
+    std::cout << "wrote    " << exr.string() << "  .png  .json\n";
+  }
+  return 0;
+}
+
+}  // namespace greenray::cli

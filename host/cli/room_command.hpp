@@ -1,0 +1,12 @@
+// greenray render for scenes with a [camera].
+#pragma once
+#include <optional>
+
+#include "cli/commands.hpp"
+
+namespace greenray::cli {
+
+/// Renders the scene if it has surfaces; nothing if it is a sky scene, or is not there. returns: exit code
+std::optional<int> render_room_scene(const Arguments &a);
+
+}  // namespace greenray::cli

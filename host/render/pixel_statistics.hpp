@@ -1,0 +1,53 @@
+// Pixels over independent passes: mean, noise and bias, and a state that can be kept and taken up again.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace greenray {
+
+/// Radius of pass 0, 1, 2 ... over that of pass 0: r_{i+1}^2 = r_i^2 (i + alpha)/(i + 1), i counted from 1.
+/// source: Knaus & Zwicker, "Progressive photon mapping: a probabilistic approach", ACM TOG 30 (2011), eq 21
+double pass_radius_ratio(int pass, double alpha = 2.0 / 3);
+
+/// One pass over all pixels.
+struct PassPixels {
+  std::span<const float> radiance;  // [pixels][waves]
+  std::span<const float> narrower;  // [pixels], summed over waves, from kernels of half the area
+  std::span<const float> variance;  // [pixels], of that sum within this pass, as far as it is known
+};
+
+/// Sums in double, pixel by pixel, in the order of the passes: the same bits when a run is taken up again.
+class PixelStatistics {
+ public:
+  PixelStatistics(std::size_t pixels, std::size_t waves);
+  void add(const PassPixels &pass);
+
+  int passes() const { return passes_; }
+  std::vector<float> mean() const;  // [pixels][waves]
+  /// Standard error of the mean, of the sum over the waves: from pass to pass where there are enough of them (4), else
+  /// from the variances within the passes.
+  std::vector<float> noise() const;
+  /// Estimated mean - truth, of the sum over the waves: a kernel of area A is off by a multiple of A, so twice the
+  /// difference to a kernel of half the area. Of first order: it does not see what kernels of both sizes miss, as at
+  /// the very edge of a surface.
+  std::vector<float> bias() const;
+
+  struct Totals {
+    double noise_rms = 0, bias_rms = 0, bias = 0;  // relative to the mean of all pixels; bias: with its sign
+  };
+  Totals totals() const;
+
+  /// All there is, for a checkpoint: passes, then the sums.
+  std::vector<double> state() const;
+  /// Throws RunError when it is not the state of a picture of this size.
+  void restore(std::span<const double> state);
+
+ private:
+  std::size_t pixels_, waves_;
+  int passes_ = 0;
+  std::vector<double> radiance_;                             // [pixels][waves], sums
+  std::vector<double> sum_, squares_, narrower_, variance_;  // [pixels], of the sum over waves
+};
+
+}  // namespace greenray

@@ -1,0 +1,80 @@
+#include "render/room_report.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "render/report.hpp"
+#include "support/version.hpp"
+
+namespace greenray {
+
+using Json = nlohmann::json;
+
+Json room_plan_json(const RoomScene &scene, const RoomOptions &options) {
+  std::vector<std::string> modelled{"light on Lambert surfaces, direct and indirect: photon map",
+                                    "mirrors, glass and rough surfaces: followed by photons and by the eye"};
+  std::vector<std::string> left_out;
+  if (scene.air && !options.straight)
+    modelled.emplace_back("curved paths: exact parabolas in cells of linear n^2, L/n^2 carried");
+  else left_out.push_back(options.straight ? "bending: --straight" : "bending: the scene has no medium");
+  left_out.emplace_back("scattering in the medium");
+  left_out.emplace_back(
+      "light that photons of wavelengths other than their leader would take on parted ways, below a two-hundredth of "
+      "the "
+      "scene");
+  return {{"size", options.size},
+          {"spp", options.spp},
+          {"passes", options.passes},
+          {"photons", scene.photons.emitted},
+          {"gather", scene.photons.gather},
+          {"modelled", modelled},
+          {"left_out", left_out}};
+}
+
+Json room_report_json(const RoomScene &scene, const RoomOptions &options, const RoomReport &r, const Device &device,
+                      double develop_seconds, double total_seconds) {
+  const PhotonTotals &p = r.photons;
+  return {
+      {"scene", scene.name},
+      {"title", scene.title},
+      {"scene_hash", room_hash(scene)},
+      {"version", version()},
+      {"seed", options.seed},
+      {"straight", options.straight},
+      {"exaggerate", scene.air ? scene.air->exaggerate : 1.0},
+      {"device", device_json(device)},
+      {"plan", room_plan_json(scene, options)},
+      {"rays_launched", p.photons},
+      {"outcomes",
+       {{"absorbed", p.outcome[0]}, {"escaped", p.outcome[1]}, {"limit", p.outcome[2]}, {"not-finite", p.outcome[3]}}},
+      {"photons",
+       {{"emitted", p.photons},
+        {"stored_diffuse", p.stored[0]},
+        {"stored_caustic", p.stored[1]},
+        {"path_pieces", p.pieces}}},
+      {"energy_W_nm",
+       {{"emitted", p.emitted},
+        {"absorbed", p.absorbed},
+        {"escaped", p.escaped},
+        {"medium", p.medium},
+        {"dropped", p.dropped}}},
+      {"surfaces", {{"triangles", r.triangles}, {"spheres", r.spheres}}},
+      {"medium", {{"cells", r.air_cells}, {"error_m", r.table_error_m}}},
+      {"samples_per_pixel", r.spp},
+      {"error",
+       {{"table_m", r.table_error_m},
+        {"table_arcsec", 0.0},
+        {"solver_arcsec", 0.0},
+        {"noise_rms", r.noise_rms},
+        {"bias", r.bias}}},
+      {"seconds",
+       {{"compile", r.compile_seconds},
+        {"build", r.build_seconds},
+        {"emit", r.emit_seconds},
+        {"map", r.map_seconds},
+        {"gather", r.gather_seconds},
+        {"eye", r.eye_seconds},
+        {"develop", develop_seconds},
+        {"total", total_seconds}}}};
+}
+
+}  // namespace greenray

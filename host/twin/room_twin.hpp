@@ -1,0 +1,59 @@
+// What photons and eye paths hand over between host and device, as the host sees it: structs of kernels/surface and
+// kernels/shared in float. Their layouts do not depend on WAVES.
+#pragma once
+#include <cmath>
+
+#include "compute/photon.hpp"
+
+#define LANES 1
+#define REAL_IS_DOUBLE 0
+#define AIR_IS_CURVED 1
+#define WAVES 8
+namespace greenray::room_twin {
+#include "surface/surface.h"
+
+#include "lib/random.h"
+
+#include "lib/pack.h"
+#include "lib/sampling.h"
+#include "shared/light.h"
+#include "shared/material.h"
+#include "shared/photon.h"
+
+#include "surface/looks.h"
+
+#include "surface/scatter.h"
+
+#include "surface/emit.h"
+
+#include "surface/photon_path.h"
+
+#include "surface/eye_path.h"
+}  // namespace greenray::room_twin
+#undef DEVICE
+#undef GLOBAL
+#undef CONSTANT
+#undef SPREAD
+#undef SPREAD_INT
+#undef R
+#undef LANE
+#undef LANE_INT
+#undef SCALAR_MATH
+#undef NODE_WIDTH
+#undef HUGE_BOX_M
+#undef LEAF_KIND_SPHERE
+#undef MOST_LEAF_BLOCKS
+#undef TREE_STACK
+#undef NO_PRIMITIVE
+#undef MOST_PATH_CELLS
+#undef GEOMETRY_BUFFERS
+#undef GEOMETRY_OF_BUFFERS
+#undef HALF_METRE
+#undef LOOKS_BUFFERS
+#undef LOOKS_OF_BUFFERS
+#undef ROW_WAVE_PLACE
+#undef TWO_PI
+#undef WAVES
+#undef AIR_IS_CURVED
+#undef REAL_IS_DOUBLE
+#undef LANES

@@ -1,0 +1,40 @@
+/* One work-item follows one path of the eye: pixels of a band, samples fastest. */
+#include "surface/surface.h"
+
+#include "lib/random.h"
+
+#include "lib/pack.h"
+#include "lib/sampling.h"
+#include "shared/light.h"
+#include "shared/material.h"
+#include "shared/photon.h"
+
+#include "surface/looks.h"
+
+#include "surface/scatter.h"
+
+#include "surface/emit.h"
+
+#include "surface/photon_path.h"
+
+#include "surface/eye_path.h"
+
+__kernel void trace_eye(GEOMETRY_BUFFERS, __global const AirCell *air_cells, const AirShape air_shape, LOOKS_BUFFERS,
+                        __global EyeSample *samples, __global float *radiance, __global float *weight,
+                        const EyeCamera camera) {
+  const int i = (int)get_global_id(0);
+  if (i >= camera.width * camera.rows * camera.samples) return;
+  const Geometry geometry = GEOMETRY_OF_BUFFERS;
+  const Air air = {air_cells, air_shape};
+  const Looks looks = LOOKS_OF_BUFFERS;
+  const int pixel = i / camera.samples, sample = camera.first_sample + i % camera.samples;
+  EyeSample out;
+  float seen[WAVES], asked[WAVES];
+  follow_eye_path(&geometry, &air, &looks, &camera, camera.first_column + pixel % camera.width,
+                  camera.first_row + pixel / camera.width, sample, &out, seen, asked);
+  samples[i] = out;
+  for (int w = 0; w < WAVES; ++w) {
+    radiance[i * WAVES + w] = seen[w];
+    weight[i * WAVES + w] = asked[w];
+  }
+}

@@ -1,0 +1,65 @@
+/* Whole numbers per lane, and sums over the lanes. Float only. */
+
+#ifdef __OPENCL_C_VERSION__
+#if LANES == 8
+DEVICE mask load_ints(__global const int *p) { return vload8(0, p); }
+DEVICE real as_reals(mask m) { return convert_float8(m); }
+#define LANE_NUMBERS ((int8)(0, 1, 2, 3, 4, 5, 6, 7))
+#elif LANES == 4
+DEVICE mask load_ints(__global const int *p) { return vload4(0, p); }
+DEVICE real as_reals(mask m) { return convert_float4(m); }
+#define LANE_NUMBERS ((int4)(0, 1, 2, 3))
+#else
+DEVICE mask load_ints(__global const int *p) { return *p; }
+DEVICE real as_reals(mask m) { return (float)m; }
+#define LANE_NUMBERS 0
+#endif
+#else
+DEVICE mask load_ints(const int *p) {
+  mask v = SPREAD_INT(0);
+  for (int i = 0; i < LANES; ++i) LANE_INT(v, i) = p[i];
+  return v;
+}
+DEVICE real as_reals(mask m) {
+  real v = SPREAD(0);
+  for (int i = 0; i < LANES; ++i) LANE(v, i) = (float)LANE_INT(m, i);
+  return v;
+}
+#if LANES == 1
+#define LANE_NUMBERS 0
+#else
+#define LANE_NUMBERS load_ints(lane_numbers)
+static const int lane_numbers[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+#endif
+#endif
+
+/* Sum of the lanes, halves first: always in the same order. */
+DEVICE float lane_sum(real v) {
+#if LANES == 1
+  return v;
+#else
+  float part[LANES];
+  for (int i = 0; i < LANES; ++i) part[i] = LANE(v, i);
+  for (int width = LANES / 2; width > 0; width /= 2)
+    for (int i = 0; i < width; ++i) part[i] += part[i + width];
+  return part[0];
+#endif
+}
+
+DEVICE int lane_count(mask counts) {
+  int sum = 0;
+  for (int i = 0; i < LANES; ++i) sum += LANE_INT(counts, i);
+  return sum;
+}
+
+DEVICE float lane_largest(real v) {
+  float best = LANE(v, 0);
+  for (int i = 1; i < LANES; ++i) best = LANE(v, i) > best ? LANE(v, i) : best;
+  return best;
+}
+
+DEVICE float lane_smallest(real v) {
+  float best = LANE(v, 0);
+  for (int i = 1; i < LANES; ++i) best = LANE(v, i) < best ? LANE(v, i) : best;
+  return best;
+}

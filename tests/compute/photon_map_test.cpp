@@ -1,0 +1,307 @@
+// Filing photons and gathering from them on a device, in float: the map is the sorted records, and counts are exact.
+#include "compute/photon_map.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <random>
+
+#include "compute/photon_gather.hpp"
+#include "support_code/photon_scenes.hpp"
+#include "support_code/twin_traits.hpp"
+
+namespace greenray {
+namespace {
+
+/// Cell of a place, worked out here from the grid's meaning alone.
+int cell_by_hand(const PhotonGrid &g, const Photon &p) {
+  int cell[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const float t = (p.place_m[axis] - g.origin_m[axis]) * g.per_m;
+    const int n = g.cells[axis], whole = static_cast<int>(std::floor(t));
+    cell[axis] = g.wrap && axis > 0 ? ((whole % n) + n) % n : std::clamp(whole, 0, n - 1);
+  }
+  return (cell[2] * g.cells[1] + cell[1]) * g.cells[0] + cell[0];
+}
+
+/// The map that std::stable_sort makes of the records.
+std::vector<unsigned> order_by_hand(const PhotonGrid &g, const Photons &photons) {
+  std::vector<unsigned> order;
+  for (unsigned i = 0; i < photons.records.size(); ++i)
+    if (PHOTON_KIND(photons.records[i].tags) != PHOTON_NONE && std::isfinite(photons.records[i].place_m[0]))
+      order.push_back(i);
+  const auto key = [&](unsigned i) {
+    const Photon &p = photons.records[i];
+    return std::tuple(cell_by_hand(g, p), p.id, PHOTON_BOUNCE(p.tags));
+  };
+  std::sort(order.begin(), order.end(), [&](unsigned a, unsigned b) { return key(a) < key(b); });
+  return order;
+}
+
+PhotonMap::Contents filed(const Photons &photons, double cell_m, int local_size = 0, int chunk = 0,
+                          const std::shared_ptr<Device> &device = shared_device()) {
+  PhotonMap map(device, {photons.records.size(), photons.waves, local_size, chunk});
+  map.upload(photons.records, photons.power_W);
+  map.build(photons.records.size(), bounds_of(photons.records), cell_m);
+  return map.read();
+}
+
+void expect_same_map(const PhotonMap::Contents &a, const PhotonMap::Contents &b) {
+  EXPECT_EQ(a.order, b.order);
+  EXPECT_EQ(a.cell_start, b.cell_start);
+  EXPECT_EQ(a.x_m, b.x_m);
+  EXPECT_EQ(a.z_m, b.z_m);
+  EXPECT_EQ(a.normal, b.normal);
+  EXPECT_EQ(a.power_W, b.power_W);
+}
+
+// oracle: std::sort by (cell, id, bounce), cells from the definition of the grid
+// tolerance: none
+TEST(PhotonMap, IsTheRecordsSortedByCellThenEmission) {
+  const Photons photons = photons_in_room(20000, 2, 7);
+  for (double cell_m : {0.31, 0.02, 40.0}) {
+    PhotonMap map(shared_device(), {photons.records.size(), photons.waves, 0, 0});
+    map.upload(photons.records, photons.power_W);
+    map.build(photons.records.size(), bounds_of(photons.records), cell_m);
+    const PhotonMap::Contents c = map.read();
+    const std::vector<unsigned> expected = order_by_hand(map.grid(), photons);
+    ASSERT_EQ(map.filed(), expected.size());
+    EXPECT_EQ(c.order, expected) << cell_m;
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      const Photon &p = photons.records[expected[i]];
+      ASSERT_EQ(c.x_m[i], p.place_m[0]);
+      ASSERT_EQ(c.y_m[i], p.place_m[1]);
+      ASSERT_EQ(c.z_m[i], p.place_m[2]);
+      ASSERT_EQ(c.normal[i], p.normal);
+      for (std::size_t w = 0; w < 2; ++w)
+        ASSERT_EQ(c.power_W[w * expected.size() + i], photons.power_W[expected[i] * 2 + w]);
+      const int cell = cell_by_hand(map.grid(), p);
+      ASSERT_LE(c.cell_start[static_cast<std::size_t>(cell)], static_cast<int>(i));
+      ASSERT_GT(c.cell_start[static_cast<std::size_t>(cell) + 1], static_cast<int>(i));
+    }
+  }
+}
+
+// oracle: one stable order exists, so chunks, work-groups and threads cannot matter
+// tolerance: none
+TEST(PhotonMap, SameBitsForAnyChunkWorkGroupAndThreads) {
+  const Photons photons = photons_in_room(30000, 3, 11);
+  const PhotonMap::Contents reference = filed(photons, 0.2);
+  for (int local_size : {1, 3, 16})
+    for (int chunk : {97, 1024, 40000}) expect_same_map(filed(photons, 0.2, local_size, chunk), reference);
+  DeviceOptions one_thread = device_options();
+  one_thread.threads = 1;
+  expect_same_map(filed(photons, 0.2, 0, 0, open_device(one_thread)), reference);
+}
+
+// oracle: the map of the same photons in the order of their emission
+// tolerance: none
+TEST(PhotonMap, TheOrderOfTheRecordsDoesNotMatter) {
+  const Photons photons = photons_in_room(15000, 2, 3);
+  const Photons mixed = shuffled(photons, 99);
+  const PhotonMap::Contents a = filed(photons, 0.15), b = filed(mixed, 0.15);
+  EXPECT_EQ(a.cell_start, b.cell_start);
+  EXPECT_EQ(a.x_m, b.x_m);
+  EXPECT_EQ(a.y_m, b.y_m);
+  EXPECT_EQ(a.power_W, b.power_W);
+  for (std::size_t i = 0; i < a.order.size(); ++i) {
+    const Photon &pa = photons.records[a.order[i]], &pb = mixed.records[b.order[i]];
+    ASSERT_EQ(std::memcmp(&pa, &pb, sizeof pa), 0) << i;
+  }
+}
+
+// oracle: the records without their empty slots
+// tolerance: none
+TEST(PhotonMap, LeavesOutEmptySlotsAndPlacesThatAreNoNumbers) {
+  const Photons photons = photons_in_room(5000, 1, 5);
+  Photons holes;
+  holes.waves = 1;
+  for (std::size_t i = 0; i < photons.records.size(); ++i) {
+    holes.records.push_back(photons.records[i]), holes.power_W.push_back(photons.power_W[i]);
+    if (i % 3 == 0) holes.records.push_back(Photon{}), holes.power_W.push_back(1e9f);
+    if (i % 100 == 0) {
+      Photon lost = photons.records[i];
+      lost.place_m[i % 3] = std::numeric_limits<float>::quiet_NaN();
+      holes.records.push_back(lost), holes.power_W.push_back(1e9f);
+    }
+  }
+  const PhotonMap::Contents a = filed(photons, 0.3), b = filed(holes, 0.3);
+  EXPECT_EQ(a.x_m, b.x_m);
+  EXPECT_EQ(a.power_W, b.power_W);
+  EXPECT_EQ(a.cell_start, b.cell_start);
+}
+
+TEST(PhotonMap, EmptyAndRefusals) {
+  PhotonMap map(shared_device(), {10, 1, 0, 0});
+  map.build(0, {}, 1);
+  EXPECT_EQ(map.filed(), 0u);
+  const Photons photons = photons_in_room(11, 1, 5);
+  EXPECT_ANY_THROW(map.upload(photons.records, photons.power_W));
+  EXPECT_ANY_THROW(map.build(11, {}, 1));
+  EXPECT_ANY_THROW(map.build(1, {}, 0));
+}
+
+// ---- gather
+
+/// Who is inside, in the arithmetic of the device: float, no contraction, the same order of sums.
+struct Near {
+  std::vector<std::pair<float, unsigned>> photons;  // (d^2 with the squash, record)
+};
+Near near_by_hand(const Photons &photons, const GatherPoint &q, const GatherSettings &s) {
+  Near near;
+  const auto component = [](unsigned packed, int k) {
+    return static_cast<float>(static_cast<int>(packed << (22 - 10 * k)) >> 22);
+  };
+  const float nx = component(q.normal, 0) * (1.0f / 511), ny = component(q.normal, 1) * (1.0f / 511),
+              nz = component(q.normal, 2) * (1.0f / 511);
+  for (unsigned i = 0; i < photons.records.size(); ++i) {
+    const Photon &p = photons.records[i];
+    if (PHOTON_KIND(p.tags) == PHOTON_NONE) continue;
+    const float dx = p.place_m[0] - q.place_m[0], dy = p.place_m[1] - q.place_m[1], dz = p.place_m[2] - q.place_m[2];
+    const float cosine = component(p.normal, 0) * nx + component(p.normal, 1) * ny + component(p.normal, 2) * nz;
+    if (!(cosine >= s.facing * 511)) continue;
+    const float height = dx * nx + dy * ny + dz * nz;
+    near.photons.emplace_back(((dx * dx + dy * dy) + dz * dz) + s.squash * (height * height), i);
+  }
+  std::sort(near.photons.begin(), near.photons.end());
+  return near;
+}
+
+double kernel_by_hand(GatherKernel kernel, double d2, double r2) {
+  const double pi = std::acos(-1.0), x = std::sqrt(d2 / r2);
+  if (kernel == GATHER_CONE) return (1 - x / 1.1) / ((1 - 2 / (3 * 1.1)) * pi * r2);
+  if (kernel == GATHER_EPANECHNIKOV) return (1 - x * x) * 2 / (pi * r2);
+  return 1 / (pi * r2);
+}
+
+// oracle: brute force over all photons, distances in float as the device's, sums in double
+// tolerance: counts none; sums of a few hundred floats in 8 lanes: 100 roundings of 6e-8, relative
+TEST(PhotonGather, RadiusAgainstBruteForce) {
+  const Photons photons = photons_in_room(20000, 3, 21);
+  const std::vector<GatherPoint> points = points_in_room(300, 4);
+  for (int lanes : {1, 4, 8})
+    for (GatherKernel kernel : {GATHER_FLAT, GATHER_CONE, GATHER_EPANECHNIKOV})
+      for (double cell_m : {0.3, 0.11, 0.8}) {
+        PhotonMap map(shared_device(lanes), {photons.records.size(), photons.waves, 0, 0});
+        map.upload(photons.records, photons.power_W);
+        map.build(photons.records.size(), bounds_of(photons.records), cell_m);
+        const GatherSettings settings = gather_settings(0.3);
+        PhotonGather gather(shared_device(lanes), photons.waves, {kernel, true, 0, 8});
+        gather.set_points(points);
+        gather.within(map, settings);
+        const GatherAnswers answers = gather.read();
+        const float r2 = settings.radius_m * settings.radius_m;
+        for (std::size_t q = 0; q < points.size(); ++q) {
+          const Near near = near_by_hand(photons, points[q], settings);
+          double sum[3] = {0, 0, 0}, inner = 0, squares = 0;
+          int count = 0;
+          for (const auto &[d2, i] : near.photons) {
+            if (d2 >= r2) break;
+            ++count;
+            double whole = 0;
+            for (std::size_t w = 0; w < 3; ++w) {
+              const double power = static_cast<double>(photons.power_W[i * 3 + w]);
+              sum[w] += kernel_by_hand(kernel, d2, r2) * power;
+              whole += power;
+            }
+            if (d2 < 0.5f * r2) inner += kernel_by_hand(kernel, d2, r2 / 2) * whole;
+            squares += std::pow(kernel_by_hand(kernel, d2, r2) * whole, 2);
+          }
+          ASSERT_EQ(answers.gathered[q].count, count) << q << " lanes " << lanes << " cell " << cell_m;
+          for (std::size_t w = 0; w < 3; ++w) ASSERT_NEAR(answers.irradiance[q * 3 + w], sum[w], 6e-6 * sum[w] + 1e-9);
+          ASSERT_NEAR(answers.spread[q].inner_W_m2, inner, 6e-6 * inner + 1e-9);
+          ASSERT_NEAR(answers.spread[q].variance_W2_m4, squares, 1e-5 * squares + 1e-9);
+        }
+      }
+}
+
+// oracle: a radius for each point gives what the same radius for all gives
+// tolerance: none
+TEST(PhotonGather, ARadiusForEachPoint) {
+  const Photons photons = photons_in_room(5000, 2, 8);
+  const std::vector<GatherPoint> points = points_in_room(60, 9);
+  PhotonMap map(shared_device(), {photons.records.size(), 2, 0, 0});
+  map.upload(photons.records, photons.power_W);
+  map.build(photons.records.size(), bounds_of(photons.records), 0.25);
+  PhotonGather gather(shared_device(), 2, {GATHER_CONE, true, 0, 7});
+  gather.set_points(points);
+  std::vector<float> radius_m;
+  for (std::size_t i = 0; i < points.size(); ++i) radius_m.push_back(i % 2 ? 0.4f : 0.15f);
+  gather.within(map, gather_settings(1), radius_m);
+  const GatherAnswers each = gather.read();
+  for (const float radius : {0.4f, 0.15f}) {
+    gather.within(map, gather_settings(static_cast<double>(radius)));
+    const GatherAnswers all = gather.read();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (radius_m[i] != radius) continue;
+      ASSERT_EQ(each.gathered[i].count, all.gathered[i].count);
+      ASSERT_EQ(each.irradiance[2 * i + 1], all.irradiance[2 * i + 1]);
+      ASSERT_EQ(each.spread[i].inner_W_m2, all.spread[i].inner_W_m2);
+    }
+  }
+}
+
+// oracle: the same answers from work-groups, items and threads of other sizes
+// tolerance: none
+TEST(PhotonGather, SameBitsForAnyWorkGroupAndThreads) {
+  const Photons photons = photons_in_room(9000, 4, 31);
+  const std::vector<GatherPoint> points = points_in_room(101, 32);
+  GatherSettings settings = gather_settings(0.5);
+  settings.nearest = 40;
+  const auto answers = [&](const std::shared_ptr<Device> &device, int local_size, int each) {
+    PhotonMap map(device, {photons.records.size(), 4, local_size, 0});
+    map.upload(photons.records, photons.power_W);
+    map.build(photons.records.size(), bounds_of(photons.records), 0.25);
+    PhotonGather gather(device, 4, {GATHER_EPANECHNIKOV, true, local_size, each});
+    gather.set_points(points);
+    gather.within(map, settings);
+    std::vector<float> all = gather.read().irradiance;
+    gather.nearest(map, settings);
+    const GatherAnswers nearest = gather.read();
+    all.insert(all.end(), nearest.irradiance.begin(), nearest.irradiance.end());
+    for (const GatherSpread &s : nearest.spread) all.push_back(s.inner_W_m2), all.push_back(s.variance_W2_m4);
+    return all;
+  };
+  const std::vector<float> reference = answers(shared_device(), 0, 8);
+  for (int local_size : {1, 3, 16})
+    for (int each : {1, 5, 64}) EXPECT_EQ(answers(shared_device(), local_size, each), reference);
+  DeviceOptions one_thread = device_options();
+  one_thread.threads = 1;
+  EXPECT_EQ(answers(open_device(one_thread), 0, 8), reference);
+}
+
+// oracle: brute force: the k-th of all sorted distances, in float as the device's
+// tolerance: none for the radius (its square is compared through one rounding of the root) and the count
+TEST(PhotonGather, NearestAgainstBruteForce) {
+  const Photons photons = photons_in_room(20000, 1, 22);
+  const std::vector<GatherPoint> points = points_in_room(300, 5);
+  for (int lanes : {1, 8})
+    for (int k : {1, 2, 7, 150, 2000})
+      for (double guess_m : {0.3, 1e-3, 5.0}) {
+        PhotonMap map(shared_device(lanes), {photons.records.size(), 1, 0, 0});
+        map.upload(photons.records, photons.power_W);
+        map.build(photons.records.size(), bounds_of(photons.records), 0.25);
+        GatherSettings settings = gather_settings(30);
+        settings.nearest = k;
+        settings.guess_m = static_cast<float>(guess_m);
+        PhotonGather gather(shared_device(lanes), 1, {GATHER_FLAT, false, 0, 4});
+        gather.set_points(points);
+        gather.nearest(map, settings);
+        const GatherAnswers answers = gather.read();
+        for (std::size_t q = 0; q < points.size(); ++q) {
+          const Near near = near_by_hand(photons, points[q], settings);
+          ASSERT_GE(near.photons.size(), static_cast<std::size_t>(k));
+          const float d2 = near.photons[static_cast<std::size_t>(k) - 1].first;
+          ASSERT_EQ(answers.gathered[q].radius_m, std::sqrt(d2)) << q << " k " << k << " guess " << guess_m;
+          const auto inside =
+              std::count_if(near.photons.begin(), near.photons.end(), [&](auto &p) { return p.first < d2; });
+          ASSERT_EQ(answers.gathered[q].count, inside) << q << " k " << k;
+        }
+      }
+}
+
+}  // namespace
+}  // namespace greenray
