@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "support/csv_table.hpp"
+#include "support/cubic_rows.hpp"
 
 namespace greenray {
 
@@ -64,21 +65,6 @@ struct MatchingTable {
   std::vector<Xyz> xyz;
 };
 
-/// Value at `position` (in rows) of the cubic through the four rows around it; near an end, the four nearest.
-double lagrange(const std::vector<double> &rows, double position) {
-  const double last_start = static_cast<double>(rows.size()) - 4.0;
-  const double start = std::clamp(std::floor(position) - 1.0, 0.0, last_start);
-  const double t = position - start;
-  double value = 0;
-  for (int i = 0; i < 4; ++i) {
-    double weight = 1;
-    for (int j = 0; j < 4; ++j)
-      if (j != i) weight *= (t - j) / (i - j);
-    value += weight * rows[static_cast<std::size_t>(start) + static_cast<std::size_t>(i)];
-  }
-  return value;
-}
-
 MatchingTable load_matching(ColourMatching observer) {
   const bool is_1931 = observer == ColourMatching::cie1931;
   const CsvTable csv =
@@ -92,7 +78,7 @@ MatchingTable load_matching(ColourMatching observer) {
   const int count = static_cast<int>(std::lround(nm.back())) - table.first_nm + 1;
   for (int i = 0; i < count; ++i) {
     Xyz value{};
-    for (std::size_t c = 0; c < 3; ++c) value[c] = std::max(0.0, lagrange(csv.column(names[c]), i / step_nm));
+    for (std::size_t c = 0; c < 3; ++c) value[c] = std::max(0.0, cubic_between_rows(csv.column(names[c]), i / step_nm));
     table.xyz.push_back(value);
   }
   return table;
