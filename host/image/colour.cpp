@@ -209,18 +209,30 @@ double srgb_decode(double encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
 
+std::array<double, 3> ok_cones_from_rgb(const Rgb &rgb) { return times(oklab_lms_from_rgb, rgb); }
+
+Rgb ok_rgb_from_cones(const std::array<double, 3> &cones) {
+  static const Matrix rgb_from_lms = inverse(oklab_lms_from_rgb);
+  return times(rgb_from_lms, cones);
+}
+
+OkLab ok_lab_from_roots(const std::array<double, 3> &roots) { return times(oklab_from_cone_roots, roots); }
+
+std::array<double, 3> ok_roots_from_lab(const OkLab &lab) {
+  static const Matrix roots_from_oklab = inverse(oklab_from_cone_roots);
+  return times(roots_from_oklab, lab);
+}
+
 OkLab oklab_from_rgb(const Rgb &rgb) {
-  std::array<double, 3> cones = times(oklab_lms_from_rgb, rgb);
+  std::array<double, 3> cones = ok_cones_from_rgb(rgb);
   for (double &cone : cones) cone = std::cbrt(cone);
-  return times(oklab_from_cone_roots, cones);
+  return ok_lab_from_roots(cones);
 }
 
 Rgb rgb_from_oklab(const OkLab &lab) {
-  static const Matrix roots_from_oklab = inverse(oklab_from_cone_roots);
-  static const Matrix rgb_from_lms = inverse(oklab_lms_from_rgb);
-  std::array<double, 3> cones = times(roots_from_oklab, lab);
+  std::array<double, 3> cones = ok_roots_from_lab(lab);
   for (double &cone : cones) cone = cone * cone * cone;
-  return times(rgb_from_lms, cones);
+  return ok_rgb_from_cones(cones);
 }
 
 bool map_into_gamut(Rgb &rgb) {

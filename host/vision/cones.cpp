@@ -136,6 +136,20 @@ double scotopic_luminance_cd_m2(const Spectrum &light) {
   return scotopic_efficacy_lm_W * integrate(light, scotopic_efficiency);
 }
 
+std::vector<double> scotopic_weights(const std::vector<double> &wavelength_nm) {
+  const std::size_t count = wavelength_nm.size();
+  std::vector<double> weights(count, 0.0);
+  for (std::size_t i = 0; i < count; ++i) {
+    Spectrum hat;  // 1 at this sample, 0 at its neighbours
+    for (std::size_t k = i == 0 ? 0 : i - 1; k < std::min(count, i + 2); ++k) {
+      hat.wavelength_nm.push_back(wavelength_nm[k]);
+      hat.radiance.push_back(k == i ? 1.0 : 0.0);
+    }
+    weights[i] = scotopic_luminance_cd_m2(hat);
+  }
+  return weights;
+}
+
 double cone_sensitivity(std::size_t cone, double wavelength_nm, double unbleached) {
   const double position = wavelength_nm - first_nm;
   if (!(position >= 0 && position <= last_nm - first_nm)) return 0;

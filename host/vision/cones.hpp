@@ -21,6 +21,10 @@ void check_spectrum(const Spectrum &light);
 double luminance_cd_m2(const Spectrum &light);
 double scotopic_luminance_cd_m2(const Spectrum &light);
 
+/// Scotopic luminance [cd/m2] per radiance of each sample of a light that is straight between its samples.
+std::vector<double> scotopic_weights(const std::vector<double> &wavelength_nm);
+inline constexpr double scotopic_per_photopic_d65 = 2.47;  // of daylight
+
 /* Sensitivity of a cone (0 L, 1 M, 2 S) to energy at a wavelength, 2 degrees, age 32, with the given fraction of its
    pigment left: (1 - 10^(-D u A)) 10^(-macula - lens) x wavelength_nm. Self-screening: as u falls the curve narrows.
    returns: zero outside 390 to 780 nm
