@@ -115,7 +115,7 @@ float signed_cbrt(float x) {
   return size < 1e-30F ? 0.0F : std::copysign(fast_pow(size, 1.0F / 3.0F), x);
 }
 
-/// A colour on the straight way from its grey (t = 0) to itself (t = 1): cube roots base + t slope.
+/// A colour on the straight way from a grey (t = 0) to itself (t = 1): cube roots base + t slope.
 struct ChromaLine {
   float base;
   float slope[3];
@@ -148,6 +148,14 @@ float meets_bound(const ChromaLine &line, const float weights[3], float bound, b
   return t;  // to 1e-6; what is left is clipped
 }
 
+/// Lightness of the grey that a colour moves towards: its own in the dark, between that and 0.5 above.
+float grey_to_aim_at(float lightness, float chroma) {
+  constexpr float pull = 5;
+  const float above = lightness - 0.5F, e = 0.5F + above + pull * chroma;
+  if (above <= 0) return clamped(lightness, 0, 1);
+  return clamped(0.5F * (1 + e - std::sqrt(std::max(e * e - 2 * above, 0.0F))), 0, 1);
+}
+
 void into_gamut(float rgb[3]) {
   static const OkMatrices ok;
   float roots[3], lab[3] = {0, 0, 0};
@@ -155,7 +163,8 @@ void into_gamut(float rgb[3]) {
     roots[j] = signed_cbrt(ok.lms_of_rgb[j][0] * rgb[0] + ok.lms_of_rgb[j][1] * rgb[1] + ok.lms_of_rgb[j][2] * rgb[2]);
   for (std::size_t r = 0; r < 3; ++r)
     for (std::size_t j = 0; j < 3; ++j) lab[r] += ok.lab_of_roots[r][j] * roots[j];
-  ChromaLine line{clamped(lab[0], 0, 1), {0, 0, 0}};
+  const float grey = grey_to_aim_at(lab[0], std::sqrt(lab[1] * lab[1] + lab[2] * lab[2]));
+  ChromaLine line{grey, {0, 0, 0}};
   for (std::size_t j = 0; j < 3; ++j) line.slope[j] = ok.roots_of_lab[j][1] * lab[1] + ok.roots_of_lab[j][2] * lab[2];
   float kept = 1, slope = 0;
   for (int round = 0; round < 2; ++round)  // a channel may be right at t = 1 and wrong where another one stopped
