@@ -9,9 +9,17 @@ namespace greenray::vision {
 namespace {
 
 constexpr int all_pairs_side = 40;
+/// Widths of half this to this many pixels belong to a level: narrower ones would show the grid, wider ones cost more.
+constexpr double widest_in_level = 2.4;
 
-/// Variance [pixels^2] that means of 2^level pixels and bilinear steps back add.
-double pyramid_variance(int level) { return (std::exp2(2.0 * level) - 1) / 3; }
+/* Variance [pixels^2] that going down to a level and back adds: bilinear steps up (1/4 of the change of 4^level),
+   smooth steps down as much, means over the cells of the survey a third of that. */
+double pyramid_variance(int level, int cell_level) {
+  const double whole = std::exp2(2.0 * level) - 1;
+  if (level < cell_level) return 0.5 * whole;
+  const double cell = std::exp2(2.0 * cell_level) - 1;
+  return 0.25 * whole + cell / 12 + 0.25 * (whole - cell);
+}
 
 double radians(double deg) { return deg * std::numbers::pi / 180; }
 
@@ -38,17 +46,17 @@ GlareFilter::GlareFilter(int width, int height, int levels, double pixel_deg, co
   halo_rows_ = levels == 0 ? 0 : (reach + cell - 1) / cell * cell;
 }
 
-/* Widths of 2^level x (0.707, 1) pixels belong to a level, with that blur taken off that the level makes by itself.
-   Level 0 also has the narrower ones, two and two together. */
+/* Two widths belong to a level, with that blur taken off that the level makes by itself. Level 0 also has the narrower
+   ones, below 1.2 pixels two and two together. */
 std::vector<GlareFilter::Blur> GlareFilter::blurs_of_level(int level) const {
   std::vector<Blur> blurs;
-  const double own = pyramid_variance(level), scale = std::exp2(-2.0 * level);
+  const double own = pyramid_variance(level, levels_), scale = std::exp2(-2.0 * level);
   Blur narrow{0, 0}, wide{0, 0};
   for (const GaussianSpread &g : sum_.gaussians) {
     const double sigma = g.sigma_deg / pixel_deg_, in_level = sigma * std::exp2(-level);
     const double share = g.per_sr * pixel_sr_ * 2 * std::numbers::pi * sigma * sigma;
-    if (in_level > 1.2 || sigma < 0.3 || (level > 0 && in_level < 0.6)) continue;
-    if (level > 0) {
+    if (in_level > widest_in_level || sigma < 0.3 || (level > 0 && in_level < 0.5 * widest_in_level)) continue;
+    if (level > 0 || sigma > 1.2) {
       blurs.push_back({(sigma * sigma - own) * scale, share});
       continue;
     }
@@ -62,7 +70,8 @@ std::vector<GlareFilter::Blur> GlareFilter::blurs_of_level(int level) const {
 
 Plane GlareFilter::veil(const Plane &cells) const {
   std::vector<Plane> lights{cells};
-  while (std::max(lights.back().width, lights.back().height) > all_pairs_side) lights.push_back(halved(lights.back()));
+  while (std::max(lights.back().width, lights.back().height) > all_pairs_side)
+    lights.push_back(halved_smoothly(lights.back()));
   const int top = static_cast<int>(lights.size()) - 1;
   Plane veil = all_pairs(lights.back(), levels_ + top);
   for (int step = top - 1; step >= 0; --step) {
@@ -75,7 +84,7 @@ Plane GlareFilter::veil(const Plane &cells) const {
 
 Plane GlareFilter::spread(const Plane &band, int first_row, const Plane &veil) const {
   std::vector<Plane> lights{band};
-  for (int level = 1; level < levels_; ++level) lights.push_back(halved(lights.back()));
+  for (int level = 1; level < levels_; ++level) lights.push_back(halved_smoothly(lights.back()));
   const int cell = 1 << levels_, rows = (band.height + cell - 1) / cell;
   // the veil's rows of this band: first_row is a multiple of the cell
   Plane spread(veil.width, rows);
@@ -91,15 +100,15 @@ Plane GlareFilter::spread(const Plane &band, int first_row, const Plane &veil) c
   return spread;
 }
 
-/// Everything wider than 0.6 pixels of this level, pair by pair.
+/// Everything that no lower level has, pair by pair.
 Plane GlareFilter::all_pairs(const Plane &cells, int level) const {
   const int w = cells.width, h = cells.height;
-  const double cell_sr = pixel_sr_ * std::exp2(2.0 * level), own = pyramid_variance(level);
+  const double cell_sr = pixel_sr_ * std::exp2(2.0 * level), own = pyramid_variance(level, levels_);
   std::vector<float> kernel(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), 0.0F);
   std::vector<double> sums(kernel.size(), 0.0);
   for (const GaussianSpread &g : sum_.gaussians) {
     const double sigma = g.sigma_deg / pixel_deg_;
-    if (sigma < 0.3 || (level > 0 && sigma * std::exp2(-level) < 0.6)) continue;
+    if (sigma < 0.3 || (level > 0 && sigma * std::exp2(-level) < 0.5 * widest_in_level)) continue;
     const double share = g.per_sr * pixel_sr_ * 2 * std::numbers::pi * sigma * sigma;
     const double variance = std::max((sigma * sigma - own) * std::exp2(-2.0 * level), 1e-3);
     double line = 0;  // sum of the sampled Gaussian along one axis: for narrow ones not sqrt(2 pi variance)

@@ -225,7 +225,7 @@ class Development {
     if (!store_.in_memory()) store_.load(inside_top, inside_bottom - inside_top, loaded);
     BandLight band{{}, first - beyond};
     for (std::size_t c = 0; c < used_planes(); ++c) {
-      Plane light(width, bottom - top);
+      Plane light(width, bottom - top, filter_ ? 0.0F : surround_[c]);
       fill(c, inside_top, inside_bottom, loaded, top, light);
       if (filter_) {
         light = filter_->spread(light, top, veils_[c]);
@@ -233,13 +233,14 @@ class Development {
         light.height -= 2 * halo;
         light.value.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(light.height));
       }
-      for (float &value : light.value) value = std::max(0.0F, value + surround_[c]);
+      if (filter_)
+        for (float &value : light.value) value = std::max(0.0F, value + surround_[c]);
       band.planes.push_back(std::move(light));
     }
     return band;
   }
 
-  /// Differences to the light around; what lies outside the picture stays 0.
+  /// With glare, differences to the light around, which is 0 outside the picture; else the light as it is, to the bit.
   void fill(std::size_t c, int inside_top, int inside_bottom, const std::vector<float> &loaded, int top,
             Plane &light) const {
     const auto width = static_cast<std::size_t>(facts_.width);
@@ -248,6 +249,7 @@ class Development {
       float *to = light.row(y - top);
       if (store_.in_memory()) store_.copy(c, y, 1, to);
       else std::copy_n(loaded.data() + (c * rows + static_cast<std::size_t>(y - inside_top)) * width, width, to);
+      if (!filter_) continue;
       for (std::size_t x = 0; x < width; ++x) to[x] -= surround_[c];
     }
   }

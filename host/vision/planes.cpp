@@ -59,6 +59,23 @@ Plane halved(const Plane &fine, Beyond beyond) {
   return coarse;
 }
 
+Plane halved_smoothly(const Plane &fine) {
+  Plane coarse((fine.width + 1) / 2, (fine.height + 1) / 2);
+  std::vector<float> down(static_cast<std::size_t>(fine.width + 4), 0.0F);  // one column before, three beyond
+  for (int y = 0; y < coarse.height; ++y) {
+    std::fill(down.begin(), down.end(), 0.0F);
+    for (int t = -1; t <= 2; ++t)
+      if (2 * y + t >= 0 && 2 * y + t < fine.height)
+        add_scaled(fine.row(2 * y + t), t == 0 || t == 1 ? 0.375F : 0.125F, fine.width, down.data() + 1);
+    float *to = coarse.row(y);
+    for (int x = 0; x < coarse.width; ++x) {
+      const float *from = down.data() + 2 * x;
+      to[x] = 0.125F * (from[0] + from[3]) + 0.375F * (from[1] + from[2]);
+    }
+  }
+  return coarse;
+}
+
 Plane doubled(const Plane &coarse, int width, int height, int first_row) {
   Plane fine(width, height);
   std::vector<float> mixed(static_cast<std::size_t>(coarse.width));

@@ -22,6 +22,10 @@ using Planes = std::vector<Plane>;
 enum class Beyond { nothing, edge };
 Plane halved(const Plane &fine, Beyond beyond = Beyond::nothing);
 
+/* Half the size by (1 3 3 1)/8 each way: a point of light keeps its place, which a mean of 2x2 would round to the
+   middle of the four. Where a size is odd, and around the picture, there is nothing. */
+Plane halved_smoothly(const Plane &fine);
+
 /* Bilinear: fine(x, y) = coarse at ((x + 0.5)/2 - 0.5, ..), ends repeated. first_row: row of `coarse` (may be negative,
    then repeated) whose upper half is the first row of `fine`. */
 Plane doubled(const Plane &coarse, int width, int height, int first_row = 0);
