@@ -19,8 +19,8 @@ namespace {
 using bench::Record;
 using bench::Results;
 
-const std::vector<std::string> suites{"trace", "scenes", "all"};
-const std::vector<std::string> later_suites{"photons", "gather", "geometry", "eye"};
+const std::vector<std::string> suites{"trace", "scenes", "eye", "all"};
+const std::vector<std::string> later_suites{"photons", "gather", "geometry"};
 
 struct Request {
   std::string suite;     // "": only compare
@@ -38,12 +38,12 @@ Request request_from(const Arguments &a) {
     const std::string &word = a.positional()[i];
     if (has(later_suites, word))
       throw InputError(a.positional_place(i),
-                       "suite '" + word + "' is not built yet in this version: expected trace | scenes | all");
+                       "suite '" + word + "' is not built yet in this version: expected trace | scenes | eye | all");
     if (has(suites, word) && request.suite.empty()) request.suite = word;
     else if (a.has("--compare") && request.new_file.empty()) request.new_file = word;
     else
       throw InputError(a.positional_place(i),
-                       "'" + word + "': expected a suite, trace | scenes | all" + did_you_mean(word, suites));
+                       "'" + word + "': expected a suite, trace | scenes | eye | all" + did_you_mean(word, suites));
   }
   if (!request.suite.empty() && !request.new_file.empty())
     throw InputError(a.positional_place(1),
@@ -91,7 +91,7 @@ std::string summary_of(const Results &results) {
         if (r->peer) text << " (" << r->peer->ratio << "x odeint)";
       }
   for (const Record &r : results.records)
-    if (r.suite == "scenes") text << " | " << r.case_name << " " << r.wall_seconds << " s";
+    if (r.suite == "scenes" || r.suite == "eye") text << " | " << r.case_name << " " << r.wall_seconds << " s";
   text << " | +-" << std::setprecision(2) << 100 * spread << " %";
   if (results.contended) text << " | contended: do not publish";
   return text.str();
@@ -120,11 +120,15 @@ Results run_suites(const Request &request, const Arguments &a) {
   Results results;
   const double load = bench::load_average();
   const bench::Neighbours neighbours;
-  if (request.suite != "scenes")
-    results.records = run_trace_suite(options, peer_methods(options.threads, options.quick));
-  if (request.suite != "trace") {
+  const auto wanted = [&](const char *suite) { return request.suite == suite || request.suite == "all"; };
+  if (wanted("trace")) results.records = run_trace_suite(options, peer_methods(options.threads, options.quick));
+  if (wanted("scenes")) {
     const std::vector<Record> scenes = run_scenes_suite(options);
     results.records.insert(results.records.end(), scenes.begin(), scenes.end());
+  }
+  if (wanted("eye")) {
+    const std::vector<Record> eye = run_eye_suite(options);
+    results.records.insert(results.records.end(), eye.begin(), eye.end());
   }
   const double others = neighbours.cores();
   results.contended = load > 0.5 * cores || others > 0.1 * cores;
@@ -182,8 +186,8 @@ std::vector<Flag> flags() {
 }  // namespace
 
 Command bench_command() {
-  return {{"bench", "[SUITE] [NEW.json]", "Speed against error, beside peers in the same run: trace | scenes | all.",
-           flags()},
+  return {{"bench", "[SUITE] [NEW.json]",
+           "Speed against error, beside peers in the same run: trace | scenes | eye | all.", flags()},
           run};
 }
 

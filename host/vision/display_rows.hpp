@@ -8,7 +8,7 @@
 namespace greenray::vision {
 
 /* display_fraction() of a curve as a table in the bits of the float: 128 straight pieces an octave.
-   error: below 2e-5 of the value where the curve is smooth, never falling */
+   error: about 1e-3 of the value at the corners of the curve, 2e-5 between; never falling */
 class ToneTable {
  public:
   explicit ToneTable(const ToneCurve &curve);

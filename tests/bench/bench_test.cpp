@@ -155,7 +155,7 @@ TEST_F(BenchFiles, TheToolComparesTwoFiles) {
 // oracle: the documented exit code 2; nothing is written
 // tolerance: none
 TEST_F(BenchFiles, WrongCommandLinesAreRefused) {
-  for (const char *wrong : {"photons", "gather", "geometry", "eye", "tracer", "trace scenes", "--compare old.json",
+  for (const char *wrong : {"photons", "gather", "geometry", "tracer", "trace scenes", "--compare old.json",
                             "trace --repeats 0", "trace --limit 5 --speed"})
     EXPECT_EQ(tool(std::string(wrong) + " --json " + path("none.json")), 2) << wrong << "\n" << words();
   EXPECT_EQ(tool("photons"), 2);
