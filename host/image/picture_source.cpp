@@ -23,10 +23,19 @@ class RgbSource : public PictureSource {
     const std::size_t count = static_cast<std::size_t>(rows) * static_cast<std::size_t>(image_.width);
     const std::size_t begin = static_cast<std::size_t>(first) * static_cast<std::size_t>(image_.width);
     planes.resize(3 * count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const Xyz xyz = xyz_from_rgb(image_.pixel(begin + i));
-      for (std::size_t c = 0; c < 3; ++c) planes[c * count + i] = static_cast<float>(xyz[c]);
-    }
+    const float *from = image_.rgb.data() + 3 * begin;
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t i = 0; i < count; ++i) planes[c * count + i] = from[3 * i + c];
+    static const Matrix3 to_xyz = [] {
+      Matrix3 m{};
+      for (std::size_t c = 0; c < 3; ++c) {
+        Rgb unit{0, 0, 0};
+        unit[c] = 1;
+        for (std::size_t r = 0; r < 3; ++r) m[r][c] = xyz_from_rgb(unit)[r];
+      }
+      return m;
+    }();
+    transform_planes(to_xyz, planes);
   }
 
  private:

@@ -132,9 +132,10 @@ float channel_at(const ChromaLine &line, const float weights[3], float t, float 
   return value;
 }
 
-/// Where a channel that is within its bound at t = 0 and beyond it at `to` meets it: Newton's steps, kept in a bracket.
-float meets_bound(const ChromaLine &line, const float weights[3], float bound, bool above, float to) {
-  float inside = 0, outside = to, t = 0.5F * to;
+/// Where a channel that is within its bound at `from` and beyond it at `to` meets it: Newton's steps, kept in a
+/// bracket.
+float meets_bound(const ChromaLine &line, const float weights[3], float bound, bool above, float from, float to) {
+  float inside = from, outside = to, t = 0.5F * (from + to);
   for (int i = 0; i < 12; ++i) {
     float slope = 0;
     const float off = channel_at(line, weights, t, &slope) - bound;
@@ -166,13 +167,19 @@ void into_gamut(float rgb[3]) {
   const float grey = grey_to_aim_at(lab[0], std::sqrt(lab[1] * lab[1] + lab[2] * lab[2]));
   ChromaLine line{grey, {0, 0, 0}};
   for (std::size_t j = 0; j < 3; ++j) line.slope[j] = ok.roots_of_lab[j][1] * lab[1] + ok.roots_of_lab[j][2] * lab[2];
+  // the first place where any channel leaves: a channel is a cubic, which may come back before the end
+  constexpr int stretches = 8;
   float kept = 1, slope = 0;
-  for (int round = 0; round < 2; ++round)  // a channel may be right at t = 1 and wrong where another one stopped
+  for (int k = 1; k <= stretches && kept == 1; ++k) {
+    const float from = static_cast<float>(k - 1) / stretches, to = static_cast<float>(k) / stretches;
+    float leaves = 2;
     for (std::size_t c = 0; c < 3; ++c) {
-      const float value = channel_at(line, ok.rgb_of_lms[c], kept, &slope);
-      if (value > 1) kept = meets_bound(line, ok.rgb_of_lms[c], 1, true, kept);
-      else if (value < 0) kept = meets_bound(line, ok.rgb_of_lms[c], 0, false, kept);
+      const float value = channel_at(line, ok.rgb_of_lms[c], to, &slope);
+      if (value > 1) leaves = std::min(leaves, meets_bound(line, ok.rgb_of_lms[c], 1, true, from, to));
+      else if (value < 0) leaves = std::min(leaves, meets_bound(line, ok.rgb_of_lms[c], 0, false, from, to));
     }
+    if (leaves < 2) kept = std::min(leaves, 0.999999F);
+  }
   for (std::size_t c = 0; c < 3; ++c) rgb[c] = channel_at(line, ok.rgb_of_lms[c], kept, &slope);
 }
 
