@@ -151,7 +151,7 @@ float meets_bound(const ChromaLine &line, const float weights[3], float bound, b
 
 /// Lightness of the grey that a colour moves towards: its own in the dark, between that and 0.5 above.
 float grey_to_aim_at(float lightness, float chroma) {
-  constexpr float pull = 5;
+  constexpr float pull = 0.5F;
   const float above = lightness - 0.5F, e = 0.5F + above + pull * chroma;
   if (above <= 0) return clamped(lightness, 0, 1);
   return clamped(0.5F * (1 + e - std::sqrt(std::max(e * e - 2 * above, 0.0F))), 0, 1);
@@ -164,7 +164,10 @@ void into_gamut(float rgb[3]) {
     roots[j] = signed_cbrt(ok.lms_of_rgb[j][0] * rgb[0] + ok.lms_of_rgb[j][1] * rgb[1] + ok.lms_of_rgb[j][2] * rgb[2]);
   for (std::size_t r = 0; r < 3; ++r)
     for (std::size_t j = 0; j < 3; ++j) lab[r] += ok.lab_of_roots[r][j] * roots[j];
-  const float grey = grey_to_aim_at(lab[0], std::sqrt(lab[1] * lab[1] + lab[2] * lab[2]));
+  const float strongest = std::max({rgb[0], rgb[1], rgb[2]}), own = clamped(lab[0], 0, 1);
+  const float aimed = grey_to_aim_at(lab[0], std::sqrt(lab[1] * lab[1] + lab[2] * lab[2]));
+  // the gamut is hollow below its corners: a colour that is hardly too strong must not be pulled through the outside
+  const float grey = own + (aimed - own) * clamped(strongest - 1, 0, 1);
   ChromaLine line{grey, {0, 0, 0}};
   for (std::size_t j = 0; j < 3; ++j) line.slope[j] = ok.roots_of_lab[j][1] * lab[1] + ok.roots_of_lab[j][2] * lab[2];
   // the first place where any channel leaves: a channel is a cubic, which may come back before the end
