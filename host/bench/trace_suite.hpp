@@ -32,6 +32,9 @@ std::vector<Record> run_images_suite(const SuiteOptions &options);
 /// Suite scenes: seconds by phase of shipped scenes.
 std::vector<Record> run_scenes_suite(const SuiteOptions &options);
 
+/// Suite eye: the human eye on pictures of fixed size; tone mappers of pfstools where they are installed.
+std::vector<Record> run_eye_suite(const SuiteOptions &options);
+
 /// The peer's point that a record is held against: of the points that no other point of the same peer beats in both
 /// speed and error, the one with the smallest error that is not below ours. The peer is then at most as accurate as we
 /// are, and at our own accuracy it would be slower: the ratio is never flattered. None if every point of the peer is

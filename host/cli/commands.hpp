@@ -26,6 +26,7 @@ Command scenes_command();
 Command new_command();
 Command compare_command();
 Command develop_command();
+Command eye_command();
 Command bench_command();
 
 /// --device, --threads, --mem, --lanes, --kernel-dir, --show-build.

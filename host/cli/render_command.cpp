@@ -16,10 +16,14 @@
 #include "cli/room_command.hpp"
 #include "image/colour.hpp"
 #include "image/exr.hpp"
+#include "image/picture_sink.hpp"
 #include "render/report.hpp"
+#include "render/scene_eye.hpp"
 #include "scene/scene_file.hpp"
+#include "support/angle.hpp"
 #include "support/atomic_file.hpp"
 #include "support/version.hpp"
+#include "vision/report_json.hpp"
 
 namespace greenray::cli {
 namespace {
@@ -139,6 +143,30 @@ void check_writable(const fs::path &path) {
   probe.write("x");
 }
 
+struct Observed {
+  CameraReport camera;
+  nlohmann::json eye;  // null: a camera
+};
+
+/// The PNG of the scene's observer.
+Observed develop(const Scene &scene, const RenderPlan &plan, const SpectralImage &image, AtomicFile &png) {
+  Observed observed;
+  if (scene.eye.model != EyeScene::Model::human) {
+    const CameraPicture camera = develop_camera(rgb_from_spectral(image), {scene.eye.exposure_ev, 8, true});
+    write_png(png, camera.pixels);
+    observed.camera = camera.report;
+    return observed;
+  }
+  const double half_width = std::tan(to_rad(scene.observer.fov_deg) / 2) * image.width / plan.size[0];
+  const bool cropped = image.width != plan.size[0];
+  const double fov_deg = cropped ? to_deg(2 * std::atan(half_width)) : scene.observer.fov_deg;
+  const vision::EyeOptions options = eye_options_of(scene.eye, fov_deg);
+  const auto source = picture_source(image, fov_deg);
+  const auto sink = png_sink(png, image.width, image.height);
+  observed.eye = vision::report_json(vision::HumanEye(options).develop(*source, *sink), options);
+  return observed;
+}
+
 int run(const Arguments &a) {
   if (const std::optional<int> done = render_room_scene(a)) return *done;
   const auto begin = Clock::now();
@@ -166,20 +194,21 @@ int run(const Arguments &a) {
     std::cerr << "warning: a layer of this air is too thin for the index table: its error may reach "
               << rendered.report.table_bound_arcsec << " arcsec for rays that graze it\n";
 
-  const auto eye_begin = Clock::now();
-  const RgbImage rgb = rgb_from_spectral(rendered.image);
-  const CameraPicture camera = develop_camera(rgb, {scene.eye.exposure_ev, 8, true});
-  const double eye_seconds = seconds_since(eye_begin);
-
   AtomicFileSet files;
   AtomicFile &picture = files.add(exr);
   const ExrReport written =
       write_exr(picture, rendered.image, attributes_of(scene, plan, options, *device), {scene.output.spectral});
   if (written.not_finite_replaced > 0)
     std::cerr << "warning: " << written.not_finite_replaced << " values were not finite and are written as 0\n";
-  write_png(files.add(fs::path(exr).replace_extension(".png")), camera.pixels);
-  const nlohmann::json report =
-      report_json(scene, plan, options, rendered.report, *device, camera.report, {eye_seconds, seconds_since(begin)});
+  const auto eye_begin = Clock::now();
+  const Observed observed = develop(scene, plan, rendered.image, files.add(fs::path(exr).replace_extension(".png")));
+  const double eye_seconds = seconds_since(eye_begin);
+  nlohmann::json report =
+      report_json(scene, plan, options, rendered.report, *device, observed.camera, {eye_seconds, seconds_since(begin)});
+  if (!observed.eye.is_null()) {
+    report.erase("camera");
+    report["eye"] = observed.eye;
+  }
   files.add(fs::path(exr).replace_extension(".json")).write(report.dump(1) + "\n");
   if (stop_requested()) throw Interrupted();
   files.commit();

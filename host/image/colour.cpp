@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "support/csv_table.hpp"
+#include "support/cubic_rows.hpp"
 
 namespace greenray {
 
@@ -64,21 +65,6 @@ struct MatchingTable {
   std::vector<Xyz> xyz;
 };
 
-/// Value at `position` (in rows) of the cubic through the four rows around it; near an end, the four nearest.
-double lagrange(const std::vector<double> &rows, double position) {
-  const double last_start = static_cast<double>(rows.size()) - 4.0;
-  const double start = std::clamp(std::floor(position) - 1.0, 0.0, last_start);
-  const double t = position - start;
-  double value = 0;
-  for (int i = 0; i < 4; ++i) {
-    double weight = 1;
-    for (int j = 0; j < 4; ++j)
-      if (j != i) weight *= (t - j) / (i - j);
-    value += weight * rows[static_cast<std::size_t>(start) + static_cast<std::size_t>(i)];
-  }
-  return value;
-}
-
 MatchingTable load_matching(ColourMatching observer) {
   const bool is_1931 = observer == ColourMatching::cie1931;
   const CsvTable csv =
@@ -92,7 +78,7 @@ MatchingTable load_matching(ColourMatching observer) {
   const int count = static_cast<int>(std::lround(nm.back())) - table.first_nm + 1;
   for (int i = 0; i < count; ++i) {
     Xyz value{};
-    for (std::size_t c = 0; c < 3; ++c) value[c] = std::max(0.0, lagrange(csv.column(names[c]), i / step_nm));
+    for (std::size_t c = 0; c < 3; ++c) value[c] = std::max(0.0, cubic_between_rows(csv.column(names[c]), i / step_nm));
     table.xyz.push_back(value);
   }
   return table;
@@ -223,18 +209,30 @@ double srgb_decode(double encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
 
+std::array<double, 3> ok_cones_from_rgb(const Rgb &rgb) { return times(oklab_lms_from_rgb, rgb); }
+
+Rgb ok_rgb_from_cones(const std::array<double, 3> &cones) {
+  static const Matrix rgb_from_lms = inverse(oklab_lms_from_rgb);
+  return times(rgb_from_lms, cones);
+}
+
+OkLab ok_lab_from_roots(const std::array<double, 3> &roots) { return times(oklab_from_cone_roots, roots); }
+
+std::array<double, 3> ok_roots_from_lab(const OkLab &lab) {
+  static const Matrix roots_from_oklab = inverse(oklab_from_cone_roots);
+  return times(roots_from_oklab, lab);
+}
+
 OkLab oklab_from_rgb(const Rgb &rgb) {
-  std::array<double, 3> cones = times(oklab_lms_from_rgb, rgb);
+  std::array<double, 3> cones = ok_cones_from_rgb(rgb);
   for (double &cone : cones) cone = std::cbrt(cone);
-  return times(oklab_from_cone_roots, cones);
+  return ok_lab_from_roots(cones);
 }
 
 Rgb rgb_from_oklab(const OkLab &lab) {
-  static const Matrix roots_from_oklab = inverse(oklab_from_cone_roots);
-  static const Matrix rgb_from_lms = inverse(oklab_lms_from_rgb);
-  std::array<double, 3> cones = times(roots_from_oklab, lab);
+  std::array<double, 3> cones = ok_roots_from_lab(lab);
   for (double &cone : cones) cone = cone * cone * cone;
-  return times(rgb_from_lms, cones);
+  return ok_rgb_from_cones(cones);
 }
 
 bool map_into_gamut(Rgb &rgb) {

@@ -53,6 +53,12 @@ double srgb_decode(double encoded);
 OkLab oklab_from_rgb(const Rgb &rgb);
 Rgb rgb_from_oklab(const OkLab &lab);
 
+/// The linear steps of OKLab: Rec. 709 to cone responses, their cube roots to L, a, b, and both ways back.
+std::array<double, 3> ok_cones_from_rgb(const Rgb &rgb);
+Rgb ok_rgb_from_cones(const std::array<double, 3> &cones);
+OkLab ok_lab_from_roots(const std::array<double, 3> &roots);
+std::array<double, 3> ok_roots_from_lab(const OkLab &lab);
+
 /* Display-linear colour into [0,1]^3 by lowering OKLab chroma at constant hue and lightness.
    returns: true if the colour was outside (by more than 1e-6) and has moved */
 bool map_into_gamut(Rgb &rgb);

@@ -6,6 +6,7 @@
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfMultiPartOutputFile.h>
+#include <ImfOutputFile.h>
 #include <ImfOutputPart.h>
 #include <ImfPartType.h>
 #include <ImfStandardAttributes.h>
@@ -14,12 +15,14 @@
 
 #include <charconv>
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 #include <thread>
 #include <utility>
 
 #include "image/colour.hpp"
 #include "image/exr.hpp"
+#include "image/exr_rows.hpp"
 #include "support/error.hpp"
 
 namespace greenray {
@@ -199,6 +202,52 @@ void write_exr(const std::filesystem::path &path, const RgbImage &image, const E
   AtomicFile file(path);
   write_exr(file, image, attributes);
   file.commit();
+}
+
+struct ExrRowWriter::State {
+  AtomicFile &file;
+  AtomicStream stream;
+  int width;
+  std::vector<std::string> channels;
+  std::unique_ptr<Imf::OutputFile> output;
+};
+
+ExrRowWriter::ExrRowWriter(AtomicFile &file, int width, int height, const std::vector<std::string> &channels,
+                           double white_luminance_cd_m2)
+    : state_(new State{file, AtomicStream(file), width, channels, nullptr}) {
+  as_run_error(file, [&] {
+    if (Imf::globalThreadCount() == 0) Imf::setGlobalThreadCount(static_cast<int>(std::thread::hardware_concurrency()));
+    Imf::Header header(width, height);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    header.zipCompressionLevel() = 2;
+    Imf::addChromaticities(header, Imf::Chromaticities());
+    if (white_luminance_cd_m2 > 0) Imf::addWhiteLuminance(header, static_cast<float>(white_luminance_cd_m2));
+    for (const std::string &name : channels) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+    state_->output = std::make_unique<Imf::OutputFile>(state_->stream, header);
+  });
+}
+
+ExrRowWriter::~ExrRowWriter() = default;
+
+void ExrRowWriter::append(const std::vector<float> &values, int first_row, int rows) {
+  as_run_error(state_->file, [&] {
+    const std::size_t pixel_bytes = sizeof(float) * state_->channels.size();
+    const std::size_t row_bytes = pixel_bytes * static_cast<std::size_t>(state_->width);
+    // OpenEXR counts from row 0 of the picture, which may lie before our piece
+    char *base = const_cast<char *>(reinterpret_cast<const char *>(values.data())) -
+                 static_cast<std::ptrdiff_t>(row_bytes) * first_row;
+    Imf::FrameBuffer frame;
+    for (const std::string &name : state_->channels) {
+      frame.insert(name, Imf::Slice(Imf::FLOAT, base, pixel_bytes, row_bytes));
+      base += sizeof(float);
+    }
+    state_->output->setFrameBuffer(frame);
+    state_->output->writePixels(rows);
+  });
+}
+
+void ExrRowWriter::finish() {
+  as_run_error(state_->file, [&] { state_->output.reset(); });
 }
 
 }  // namespace greenray

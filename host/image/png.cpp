@@ -11,6 +11,7 @@
 
 #include "image/colour.hpp"
 #include "support/error.hpp"
+#include "support/fast_math.hpp"
 
 namespace greenray {
 
@@ -113,17 +114,37 @@ struct Reader {
 
 }  // namespace
 
+/// Levels of the sRGB curve, not yet rounded; linear: NaN counts as 0.
+GREENRAY_VECTOR_CLONES static void encode_levels(const float *linear, std::size_t count, float full, float *levels) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const float x = linear[i] > 0 ? (linear[i] < 1 ? linear[i] : 1.0F) : 0.0F;
+    const float curve = 1.055F * fast_pow(x > 0.0031308F ? x : 0.0031308F, 1.0F / 2.4F) - 0.055F;
+    levels[i] = x >= 1 ? full : full * (x <= 0.0031308F ? 12.92F * x : curve);
+  }
+}
+
+void quantise_samples(const float *display_linear, std::size_t count, std::size_t first_sample, int bits, bool dither,
+                      std::uint16_t *levels) {
+  const float full = bits == 8 ? 255.0F : 65535.0F;
+  constexpr std::size_t block = 256;
+  float exact[block];
+  for (std::size_t begin = 0; begin < count; begin += block) {
+    const std::size_t some = std::min(block, count - begin);
+    encode_levels(display_linear + begin, some, full, exact);
+    for (std::size_t i = 0; i < some; ++i) {
+      double level = static_cast<double>(exact[i]);
+      const double room = std::min({1.0, level, static_cast<double>(full) - level});
+      if (dither) level += triangular_noise(first_sample + begin + i) * room;
+      levels[begin + i] = static_cast<std::uint16_t>(level + 0.5);
+    }
+  }
+}
+
 Raster quantise(const RgbImage &display_linear, int bits, bool dither) {
   if (bits != 8 && bits != 16) throw std::invalid_argument("a PNG has 8 or 16 bits");
-  const double full = bits == 8 ? 255.0 : 65535.0;
   Raster raster{display_linear.width, display_linear.height, bits, {}};
   raster.rgb.resize(display_linear.rgb.size());
-  for (std::size_t i = 0; i < raster.rgb.size(); ++i) {
-    const auto linear = static_cast<double>(display_linear.rgb[i]);
-    double level = linear > 0 ? full * srgb_encode(std::min(linear, 1.0)) : 0.0;  // NaN fails the comparison
-    if (dither) level += triangular_noise(i) * std::min({1.0, level, full - level});
-    raster.rgb[i] = static_cast<std::uint16_t>(std::lround(std::clamp(level, 0.0, full)));
-  }
+  quantise_samples(display_linear.rgb.data(), raster.rgb.size(), 0, bits, dither, raster.rgb.data());
   return raster;
 }
 

@@ -21,6 +21,11 @@ struct Raster {
            towards 0 and full scale, which stay exact. The same picture gives the same bits. */
 Raster quantise(const RgbImage &display_linear, int bits = 8, bool dither = true);
 
+/* The same for `count` samples of a row, the first being sample first_sample of the whole picture: pieces of a picture
+   get the noise that the whole would. */
+void quantise_samples(const float *display_linear, std::size_t count, std::size_t first_sample, int bits, bool dither,
+                      std::uint16_t *levels);
+
 /// PNG with sRGB, gAMA and cHRM chunks. errors: RunError.
 void write_png(AtomicFile &file, const Raster &raster);
 void write_png(const std::filesystem::path &path, const Raster &raster);

@@ -164,7 +164,9 @@ void explain(const Scene &scene, const RenderOptions &options, RenderPlan &plan)
   else did.push_back(std::string("the Sun") + (scene.sun.limb_darkening && !academic ? " with limb darkening" : ""));
   left.push_back("geometry, photons and caustics: none in the scene");
   if (scene.eye.model == EyeScene::Model::human)
-    left.push_back("the human eye: not built yet in this version, the picture is developed as by a camera");
+    did.push_back("the human eye: " + std::string(scene.eye.glare ? "glare, " : "") +
+                  (scene.eye.acuity ? "acuity, " : "") + (scene.eye.colour ? "mesopic colour, " : "") + "tone curve" +
+                  (scene.eye.bleaching_seconds || scene.eye.bleaching_steady ? ", bleaching" : ""));
 }
 
 }  // namespace

@@ -71,8 +71,13 @@ struct TracingScene {
 
 struct EyeScene {
   enum class Model { human, camera, none } model = Model::camera;
-  std::optional<double> exposure_ev;        // camera: stops on top of the automatic exposure
-  std::optional<double> bleaching_seconds;  // stored for the eye stage
+  std::optional<double> exposure_ev;  // camera: stops on top of the automatic exposure
+  // human, as the flags of `greenray develop` with the same names
+  std::optional<double> bleaching_seconds;  // bleaching = { seconds | steady, model, pool }
+  bool bleaching_steady = false;
+  std::string bleaching_model = "catch", bleaching_pool = "pixel", pupil = "watson-yellott";
+  bool glare = true, acuity = true, colour = true, sensitivity = true;
+  double ldmax_cd_m2 = 100, contrast = 100, magnification = 1, age_years = 28.58;
 };
 
 struct OutputScene {

@@ -117,6 +117,11 @@ void add(Fingerprint &print, const SpectrumScene &spectrum, const TracingScene &
   print.add_choice("eye.model", eye.model);
   print.add("eye.exposure_ev", eye.exposure_ev);
   print.add("eye.bleaching_seconds", eye.bleaching_seconds);
+  if (eye.model != EyeScene::Model::human) return;  // the rest is the human's alone
+  print.add_choice("eye.bleaching_steady", eye.bleaching_steady);
+  for (const std::string *word : {&eye.bleaching_model, &eye.bleaching_pool, &eye.pupil}) print.add("eye.word", *word);
+  for (const bool on : {eye.glare, eye.acuity, eye.colour, eye.sensitivity}) print.add_choice("eye.switch", on);
+  for (const double x : {eye.ldmax_cd_m2, eye.contrast, eye.magnification, eye.age_years}) print.add("eye.number", x);
 }
 
 }  // namespace

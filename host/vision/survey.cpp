@@ -1,0 +1,181 @@
+#include "vision/survey.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <numbers>
+#include <numeric>
+#include <stdexcept>
+
+#include "support/parallel.hpp"
+
+namespace greenray::vision {
+
+namespace {
+
+constexpr double deg = std::numbers::pi / 180;
+
+/// Cells of 4x4 pixels, larger where they would still be many, single pixels where they would be few.
+int cell_levels(int width, int height) {
+  if (std::min(width, height) < 256) return 0;
+  const double pixels = static_cast<double>(width) * height;
+  int levels = 2;
+  while (levels < 5 && pixels / std::exp2(2.0 * levels) > 4.2e6) ++levels;
+  return levels;
+}
+
+/// Rows [first, last) of the points; columns by row.
+std::vector<std::vector<int>> scatter(int width, int height, std::size_t count) {
+  std::vector<std::vector<int>> columns(static_cast<std::size_t>(height));
+  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  if (count >= pixels) {
+    for (auto &row : columns) {
+      row.resize(static_cast<std::size_t>(width));
+      std::iota(row.begin(), row.end(), 0);
+    }
+    return columns;
+  }
+  const double across = 0.7548776662466927, down = 0.5698402909980532;  // R2: powers of 1/1.32471..
+  for (std::size_t i = 1; i <= count; ++i) {
+    const double x = std::fmod(0.5 + across * static_cast<double>(i), 1.0);
+    const double y = std::fmod(0.5 + down * static_cast<double>(i), 1.0);
+    columns[std::min(static_cast<std::size_t>(y * height), columns.size() - 1)].push_back(
+        std::min(static_cast<int>(x * width), width - 1));
+  }
+  return columns;
+}
+
+class Surveyor {
+ public:
+  Surveyor(LightStore &store, const PictureFacts &facts, std::size_t points)
+      : store_(store),
+        width_(facts.width),
+        height_(facts.height),
+        columns_(scatter(facts.width, facts.height, points)) {
+    survey_.levels = cell_levels(width_, height_);
+    const int cell = 1 << survey_.levels;
+    const int w = (width_ + cell - 1) / cell, h = (height_ + cell - 1) / cell;
+    survey_.cells.assign(store.converter().planes(), Plane(w, h));
+    survey_.coverage = Plane(w, h);
+    std::size_t count = 0;
+    for (const auto &row : columns_) first_point_.push_back(count), count += row.size();
+    survey_.points.resize(count);
+  }
+
+  Survey run(unsigned threads) {
+    sums_.assign(static_cast<std::size_t>((height_ + rows_per_piece - 1) / rows_per_piece), 0.0);
+    survey_.least_cd_m2 = std::numeric_limits<float>::max();
+    for_pieces(static_cast<std::size_t>(height_), rows_per_piece, threads, [&](std::size_t first, std::size_t last) {
+      piece(static_cast<int>(first), static_cast<int>(last - first));
+    });
+    survey_.mean_cd_m2 = std::accumulate(sums_.begin(), sums_.end(), 0.0) / (static_cast<double>(width_) * height_);
+    return survey_;
+  }
+
+ private:
+  void piece(int first, int rows) {
+    std::vector<float> light;
+    const LightFaults faults = store_.load(first, rows, light);
+    const std::size_t count = static_cast<std::size_t>(width_) * static_cast<std::size_t>(rows);
+    const float *luminance = light.data() + store_.converter().luminance_plane() * count;
+    const auto [least, most] = std::minmax_element(luminance, luminance + count);
+    for (std::size_t plane = 0; plane < survey_.cells.size(); ++plane)
+      average(light.data() + plane * count, first, rows, survey_.cells[plane], plane == 0);
+    for (int y = 0; y < rows; ++y) {
+      const auto row = static_cast<std::size_t>(first + y);
+      for (std::size_t i = 0; i < columns_[row].size(); ++i)
+        survey_.points[first_point_[row] + i] = luminance[static_cast<std::size_t>(y * width_ + columns_[row][i])];
+    }
+    double sum = 0;
+    for (std::size_t i = 0; i < count; ++i) sum += static_cast<double>(luminance[i]);
+    sums_[static_cast<std::size_t>(first / rows_per_piece)] = sum;  // added in order: the same sum for any threads
+    const std::lock_guard<std::mutex> guard(lock_);
+    survey_.faults.add(faults);
+    survey_.least_cd_m2 = std::min(survey_.least_cd_m2, *least);
+    survey_.most_cd_m2 = std::max(survey_.most_cd_m2, *most);
+  }
+
+  void average(const float *light, int first, int rows, Plane &cells, bool with_coverage) {
+    const int cell = 1 << survey_.levels;
+    std::vector<float> sums(static_cast<std::size_t>(cells.width));
+    for (int top = 0; top < rows; top += cell) {
+      std::fill(sums.begin(), sums.end(), 0.0F);
+      const int height = std::min(cell, rows - top);
+      for (int y = top; y < top + height; ++y) {
+        const float *row = light + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
+        int x = 0;
+        for (int c = 0; c < cells.width; ++c)
+          for (const int end = std::min(x + cell, width_); x < end; ++x) sums[static_cast<std::size_t>(c)] += row[x];
+      }
+      const int y = (first + top) >> survey_.levels;
+      for (int c = 0; c < cells.width; ++c) {
+        const int pixels = height * std::min(cell, width_ - c * cell);
+        cells.row(y)[c] = sums[static_cast<std::size_t>(c)] / static_cast<float>(pixels);
+        if (with_coverage) survey_.coverage.row(y)[c] = static_cast<float>(pixels) / static_cast<float>(cell * cell);
+      }
+    }
+  }
+
+  LightStore &store_;
+  int width_, height_;
+  std::vector<std::vector<int>> columns_;
+  std::vector<std::size_t> first_point_;
+  std::vector<double> sums_;
+  Survey survey_;
+  std::mutex lock_;
+};
+
+}  // namespace
+
+double ViewGeometry::area_deg2() const {
+  const double sr = 4 * std::asin(half_width * half_height /
+                                  std::sqrt((1 + half_width * half_width) * (1 + half_height * half_height)));
+  return sr / (deg * deg);
+}
+
+ViewGeometry view_geometry(int width, int height, std::optional<double> fov_deg, double magnification) {
+  ViewGeometry view;
+  view.width = width, view.height = height;
+  view.assumed = !fov_deg.has_value();
+  const double smaller = std::tan(20 * deg);
+  const double unaided_deg =
+      fov_deg.value_or(2 / deg * std::atan(smaller * std::max(1.0, static_cast<double>(width) / height)));
+  view.fov_deg = unaided_deg * magnification;
+  if (!(view.fov_deg > 0 && view.fov_deg <= 179))
+    throw std::domain_error("expected a field of view, times the magnification, above 0 and up to 179 degrees, found " +
+                            std::to_string(view.fov_deg));
+  view.half_width = std::tan(0.5 * view.fov_deg * deg);
+  view.half_height = view.half_width * height / width;
+  view.pixel_deg = 2 * view.half_width / width / deg;
+  return view;
+}
+
+Survey survey_picture(LightStore &store, const PictureFacts &facts, std::size_t points, unsigned threads) {
+  Survey survey = Surveyor(store, facts, points).run(threads);
+  if (survey.faults.infinite == 0) return survey;
+  store.set_infinite(survey.most_cd_m2);
+  return Surveyor(store, facts, points).run(threads);
+}
+
+std::vector<float> surround_of(const Survey &survey, std::size_t luminance_plane) {
+  const Plane &luminance = survey.cells[luminance_plane];
+  std::vector<std::size_t> frame;
+  for (int y = 0; y < luminance.height; ++y)
+    for (int x = 0; x < luminance.width; ++x)
+      if (x == 0 || y == 0 || x == luminance.width - 1 || y == luminance.height - 1)
+        frame.push_back(static_cast<std::size_t>(y) * static_cast<std::size_t>(luminance.width) +
+                        static_cast<std::size_t>(x));
+  std::stable_sort(frame.begin(), frame.end(),
+                   [&](std::size_t a, std::size_t b) { return luminance.value[a] < luminance.value[b]; });
+  frame.resize((3 * frame.size() + 3) / 4);
+  std::vector<float> mean;
+  for (const Plane &plane : survey.cells) {
+    double sum = 0;
+    for (const std::size_t i : frame) sum += static_cast<double>(plane.value[i]);
+    mean.push_back(static_cast<float>(sum / static_cast<double>(frame.size())));
+  }
+  return mean;
+}
+
+}  // namespace greenray::vision
