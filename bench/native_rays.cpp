@@ -13,6 +13,7 @@
 #define INTEGRATOR_IS_RICHARDSON 0
 
 namespace greenray::bench::NATIVE_NAMESPACE {
+namespace {
 namespace text {
 // Includes in the order of ray/ray.h, which must stay.
 // clang-format off
@@ -72,6 +73,8 @@ class NativeRunner : public Runner {
   std::vector<text::RayStart> starts_;
   std::vector<text::RayEnd> ends_;
 };
+
+}  // namespace
 
 std::unique_ptr<Runner> prepare(const IndexTable &table, std::span<const f64::RayStart> starts, double tolerance_rad,
                                 unsigned threads) {

@@ -16,6 +16,7 @@
 
 #include "bench/peer.hpp"
 #include "bench/race.hpp"
+#include "odeint_cells.hpp"
 
 namespace greenray::bench {
 namespace {
@@ -26,17 +27,7 @@ using State = std::array<double, 3>;  // height in units of height_unit_m, direc
 constexpr double height_unit_m = 1e4;
 constexpr int most_steps = 100000;
 
-enum class Form { classical, flattened };
 enum class StepEnds { kinks, fourth_knots, knots };
-
-/// One cubic of n'/n in the form's own height.
-struct Cell {
-  double bottom_m, top_m, per_thickness, gradient[4];
-  double at(double height_m) const {
-    const double t = (height_m - bottom_m) * per_thickness;
-    return gradient[0] + t * (gradient[1] + t * (gradient[2] + t * gradient[3]));
-  }
-};
 
 /// Cells between two step ends; inside, the medium is smooth up to the table's own error.
 struct Segment {
@@ -45,7 +36,7 @@ struct Segment {
 };
 
 struct Medium {
-  std::vector<Cell> cells;
+  std::vector<OdeCell> cells;
   std::vector<Segment> segments;
   double curvature_per_m = 0;
 
@@ -53,44 +44,18 @@ struct Medium {
     if (height_m >= cells[guess].bottom_m && height_m < cells[guess].top_m) return guess;
     const auto begin = cells.begin() + static_cast<std::ptrdiff_t>(within.first + 1);
     const auto end = cells.begin() + static_cast<std::ptrdiff_t>(within.last + 1);
-    const auto above = std::upper_bound(begin, end, height_m, [](double h, const Cell &c) { return h < c.bottom_m; });
+    const auto above =
+        std::upper_bound(begin, end, height_m, [](double h, const OdeCell &c) { return h < c.bottom_m; });
     return static_cast<std::size_t>(above - cells.begin()) - 1;
   }
 };
 
-/// The cubic through four points t = 0, 1/3, 2/3, 1 is exact for a cubic; for the classical form the flattened table's
-/// gradient per geometric metre is sampled there.
-void fit(const std::array<double, 4> &y, double (&c)[4]) {
-  c[0] = y[0];
-  c[1] = -5.5 * y[0] + 9 * y[1] - 4.5 * y[2] + y[3];
-  c[2] = 9 * y[0] - 22.5 * y[1] + 18 * y[2] - 4.5 * y[3];
-  c[3] = -4.5 * y[0] + 13.5 * y[1] - 13.5 * y[2] + 4.5 * y[3];
-}
-
-Cell cell_of(const IndexCellData &data, double curvature_per_m, Form form) {
-  Cell cell{data.bottom_m, data.bottom_m + data.thickness_m, 1 / data.thickness_m, {}};
-  std::copy(data.gradient, data.gradient + 4, cell.gradient);
-  if (form == Form::flattened || curvature_per_m == 0) return cell;
-  const Cell flat = cell;
-  cell.bottom_m = f64::geometric_height_m(flat.bottom_m, curvature_per_m);
-  cell.top_m = f64::geometric_height_m(flat.top_m, curvature_per_m);
-  cell.per_thickness = 1 / (cell.top_m - cell.bottom_m);
-  std::array<double, 4> y{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const double h = cell.bottom_m + (cell.top_m - cell.bottom_m) * static_cast<double>(i) / 3;
-    y[i] = flat.at(f64::flattened_height_m(h, curvature_per_m)) / (1 + h * curvature_per_m);
-  }
-  fit(y, cell.gradient);
-  return cell;
-}
-
 Medium medium_of(const IndexTable &table, Form form, StepEnds ends) {
   Medium medium;
   medium.curvature_per_m = table.curvature_per_m;
-  for (std::size_t i = 0; i < table.cells_per_row; ++i)
-    medium.cells.push_back(cell_of(table.cell(0, i), table.curvature_per_m, form));
+  medium.cells = ode_cells(table, form);
   for (std::size_t i = 0; i < medium.cells.size(); ++i) {
-    const Cell &c = medium.cells[i];
+    const OdeCell &c = medium.cells[i];
     const double before = i == 0 ? 0 : medium.cells[i - 1].at(c.bottom_m), here = c.at(c.bottom_m);
     const bool kink = i == 0 || std::abs(here - before) > 1e-3 * std::max(std::abs(here), std::abs(before));
     const std::size_t longest = ends == StepEnds::knots ? 1 : ends == StepEnds::fourth_knots ? 4 : medium.cells.size();
@@ -246,8 +211,11 @@ void add(std::vector<Method> &methods, Form form, StepEnds ends, double table_ar
            : ends == StepEnds::kinks ? "kinks"
                                      : "every 4th knot")
        << ", table " << table_arcsec << "\", tolerance " << tolerance;
-  methods.push_back({"Boost.odeint dopri5", BOOST_LIB_VERSION, text.str(),
-                     "host, " + std::to_string(threads) + " threads", table_arcsec, tolerance,
+  methods.push_back({{"Boost.odeint dopri5", BOOST_LIB_VERSION, "dopri5", "double", 1},
+                     text.str(),
+                     "host, " + std::to_string(threads) + " threads",
+                     table_arcsec,
+                     tolerance,
                      [=](const IndexTable &table, std::span<const f64::RayStart> starts) {
                        return std::make_unique<OdeintRunner>(table, starts, form, ends, tolerance, threads);
                      }});
@@ -262,11 +230,11 @@ std::vector<Method> odeint_methods(unsigned threads, bool few) {
     return methods;
   }
   for (const Form form : {Form::classical, Form::flattened}) {
-    for (const double tolerance : {1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-11})
+    for (const double tolerance : {1e-5, 3e-6, 1e-6, 5e-7, 2e-7, 1e-7, 1e-8, 1e-9, 1e-11})
       add(methods, form, StepEnds::kinks, 1e-4, tolerance, threads);
-    for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8})
+    for (const double tolerance : {1e-4, 1e-5, 5e-6, 2e-6, 1e-6, 1e-7})
       add(methods, form, StepEnds::fourth_knots, std::max(1e-3, 1e3 * tolerance), tolerance, threads);
-    for (const double tolerance : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7})
+    for (const double tolerance : {1e-4, 1e-5, 3e-6, 1e-6, 1e-7})
       add(methods, form, StepEnds::knots, std::min(3.0, 3e4 * tolerance), tolerance, threads);
   }
   return methods;

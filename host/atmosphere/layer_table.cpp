@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "atmosphere/far_nodes.hpp"
 #include "atmosphere/gauss_legendre.hpp"
 #include "support/angle.hpp"
 #include "twin/twin.hpp"
@@ -94,6 +96,9 @@ double closed_form(const LayerData &layer, double near2, double far2, std::size_
 
 constexpr double air_mass_error = 4e-5;  // relative, of one layer's share
 
+/// Allowed to the distance across a layer without air, relatively: nothing else could be wrong there.
+double vacuum_error(double error_arcsec) { return std::clamp(1e-2 * error_arcsec, 1e-10, 3e-7); }
+
 class Placer {
  public:
   Placer(const IndexTable &fine, std::size_t row, double error_rad) : medium_(fine, row), error_rad_(error_rad) {}
@@ -138,6 +143,11 @@ class Placer {
           closed_form(first, near2, mid2, f64::LAYER_AIR) + closed_form(second, mid2, far2, f64::LAYER_AIR);
       const double off = std::abs(closed_form(whole, near2, far2, f64::LAYER_AIR) - air);
       if (air > 0) worst = std::max(worst, off / air * error_rad_ / air_mass_error);
+      if (whole.mean[f64::LAYER_BENDING] != 0) continue;
+      const double way =
+          closed_form(first, near2, mid2, f64::LAYER_DISTANCE) + closed_form(second, mid2, far2, f64::LAYER_DISTANCE);
+      const double miss = std::abs(closed_form(whole, near2, far2, f64::LAYER_DISTANCE) - way) / way;
+      worst = std::max(worst, miss * error_rad_ / vacuum_error(to_arcsec(error_rad_)));
     }
     return worst;
   }
@@ -145,6 +155,30 @@ class Placer {
   Medium medium_;
   double error_rad_;
 };
+
+}  // namespace
+
+namespace {
+
+/// Heights inside cell i where N is level, d(ln N)/dz = gradient + 1/R = 0: there a ray may turn between two edges
+/// unseen.
+void add_extremes(const IndexTable &fine, std::size_t row, std::size_t i, std::vector<double> &edges) {
+  const IndexCellData &c = fine.cell(row, i);
+  const auto slope = [&](double t) {
+    return c.gradient[0] + t * (c.gradient[1] + t * (c.gradient[2] + t * c.gradient[3])) + fine.curvature_per_m;
+  };
+  constexpr int pieces = 8;
+  for (int k = 0; k < pieces; ++k) {
+    double low = k / double(pieces), high = (k + 1) / double(pieces);
+    if ((slope(low) < 0) == (slope(high) < 0)) continue;
+    const bool falls = slope(low) > 0;
+    for (int step = 0; step < 50; ++step) {
+      const double middle = 0.5 * (low + high);
+      ((slope(middle) > 0) == falls ? low : high) = middle;
+    }
+    edges.push_back(c.bottom_m + 0.5 * (low + high) * c.thickness_m);
+  }
+}
 
 }  // namespace
 
@@ -156,6 +190,7 @@ std::vector<double> place_layers(const IndexTable &fine, std::size_t row, double
     if (std::abs(end - n.gradient[0]) > 1e-4 * (std::abs(end) + std::abs(n.gradient[0])) + 1e-18)
       fixed.push_back(n.bottom_m);
   }
+  for (std::size_t i = 0; i < fine.cells_per_row; ++i) add_extremes(fine, row, i, fixed);
   const double top = fine.top_m();
   if (eye_m > 0 && eye_m < top) fixed.push_back(eye_m);
   fixed.push_back(top);
@@ -201,7 +236,73 @@ LayerTable build_layer_table(const IndexTable &fine, const std::vector<double> &
     table.above.push_back(std::move(above));
     table.below.push_back(std::move(below));
   }
+  table.near_above = table.above.front().layers.size();
+  table.far.resize(table.above.size());
   return table;
+}
+
+namespace {
+
+/// The medium above from_m, in panels thin against their distance from the eye, for there the lift tends to 0. Nothing
+/// if some of it has a lift that is not above 0.
+std::optional<FarMedium> far_medium(const IndexTable &fine, std::size_t row, double eye_m, double from_m,
+                                    const LayerAbsorbers &absorbers) {
+  const Medium medium(fine, row);
+  const double eye_potential = medium.potential(eye_m), top_m = fine.top_m();
+  FarMedium far;
+  for (double from = from_m; from < top_m;) {
+    const std::size_t cell = fine.find(from);
+    const IndexCellData &c = fine.cell(row, cell);
+    double to = std::min({c.bottom_m + c.thickness_m, from + 0.4 * (from - eye_m), top_m});
+    if (to <= from) to = std::min(top_m, from + 1e-9 * (1 + from));
+    const double half = 0.5 * (to - from), centre = 0.5 * (from + to);
+    for (std::size_t i = 0; i < 2 * legendre_node.size(); ++i) {
+      const double z = centre + (i % 2 ? half : -half) * legendre_node[i / 2];
+      const Point p = medium.at(z, cell);
+      far.lift.push_back(-std::expm1(-2 * (p.potential - eye_potential)));
+      if (far.lift.back() <= 0) return std::nullopt;
+      far.weight.push_back(weights(p, z, eye_potential, fine.curvature_per_m, absorbers));
+      for (double &w : far.weight.back()) w *= half * legendre_weight[i / 2];
+    }
+    from = to;
+  }
+  if (far.lift.empty()) return std::nullopt;
+  return compressed(far);
+}
+
+constexpr std::size_t layer_cost = 3;  // of one layer, in nodes
+constexpr std::size_t most_nodes = 48;
+
+}  // namespace
+
+void merge_far_layers(LayerTable &table, const IndexTable &fine, const LayerAbsorbers &absorbers, double error_arcsec,
+                      bool bending_only) {
+  const std::vector<LayerData> &layers = table.above.front().layers;
+  const double error_rad = from_arcsec(error_arcsec), relative = error_arcsec / 1000;
+  std::size_t best_cost = layer_cost * layers.size(), best_near = layers.size(), best_count = 0;
+  for (std::size_t near = 1; near < layers.size() && layer_cost * near + 4 < best_cost; near += 1 + near / 4) {
+    if (layers[near - 1].lift <= 0) continue;
+    const auto far = far_medium(fine, 0, table.eye_m, layers[near - 1].far_m, absorbers);
+    if (!far) continue;
+    const std::size_t affordable = std::min(most_nodes, best_cost - layer_cost * near - 1);
+    const std::size_t count = merge_far(*far, error_rad, relative, bending_only, affordable / 4 * 4).size();
+    if (count == 0 || layer_cost * near + count >= best_cost) continue;
+    best_cost = layer_cost * near + count, best_near = near, best_count = count;
+  }
+  if (best_count == 0) return;
+  std::vector<std::vector<FarNode>> all;
+  double worst_rad = 0;
+  for (std::size_t row = 0; row < table.above.size(); ++row) {
+    const auto far = far_medium(fine, row, table.eye_m, table.above[row].layers[best_near - 1].far_m, absorbers);
+    if (!far) return;  // a wavelength for which it cannot be done: leave all as it is
+    FarFit fit = fit_far(*far, best_count, bending_only);
+    if (fit.nodes.size() != best_count || fit.bending_error_rad > 2 * error_rad) return;
+    worst_rad = std::max(worst_rad, fit.bending_error_rad);
+    all.push_back(std::move(fit.nodes));
+  }
+  table.near_above = best_near;
+  table.far = std::move(all);
+  table.far_error_arcsec = to_arcsec(worst_rad);
 }
 
 }  // namespace greenray

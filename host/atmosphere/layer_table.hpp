@@ -4,16 +4,9 @@
 #include <vector>
 
 #include "atmosphere/index_table.hpp"
+#include "atmosphere/layer_data.hpp"
 
 namespace greenray {
-
-inline constexpr int layer_quantities = 6;  // LAYER_QUANTITIES of kernels/shared/layers.h
-
-/// As struct Layer of kernels/shared/layers.h.
-struct LayerData {
-  double lift, bulge, skew, far_m;
-  std::array<double, layer_quantities> mean, tilt, bow;
-};
 
 /// The layers of one wavelength on one side of the eye, from the eye outwards.
 struct LayerSide {
@@ -26,7 +19,10 @@ struct LayerTable {
   std::vector<double> wavelength_nm;
   std::vector<double> index_eye;        // N at the eye, per wavelength
   std::vector<bool> level_rises;        // does a level ray start upward?
-  std::vector<LayerSide> above, below;  // per wavelength; the same heights in all
+  std::vector<LayerSide> above, below;  // per wavelength; the same number in all
+  std::size_t near_above = 0;           // layers above the eye that are summed one by one; the nodes stand for the rest
+  std::vector<std::vector<FarNode>> far;  // per wavelength; the same number in all, a multiple of 4
+  double far_error_arcsec = 0;            // of bending, by the nodes, over all directions; measured
 };
 
 /// Shapes of ozone and aerosol, for their columns.
@@ -34,12 +30,19 @@ struct LayerAbsorbers {
   double ozone_peak_m = 22000, ozone_width_m = 5000, aerosol_scale_m = 1200;
 };
 
-/// Layer edges (flattened heights) for a medium: ends of the fine table's kinks, halved until each layer's closed form
-/// agrees with its two halves to error_arcsec for rays that graze its lower edge, turn in its middle, or cross it.
-/// `fine` must be a good deal more accurate than error_arcsec. eye_m becomes an edge.
+/// Layer edges (flattened heights) for a medium: ends of the fine table's kinks, extremes of N, and halved until each
+/// layer's closed form agrees with its two halves to error_arcsec for rays that graze its lower edge, turn in its
+/// middle, or cross it. `fine` must be a good deal more accurate than error_arcsec. eye_m becomes an edge.
 std::vector<double> place_layers(const IndexTable &fine, std::size_t row, double eye_m, double error_arcsec);
 
+/// All layers; none merged.
 LayerTable build_layer_table(const IndexTable &fine, const std::vector<double> &edges_m, double eye_m,
                              const LayerAbsorbers &absorbers);
+
+/// Lets nodes stand for the layers far above the eye (host/atmosphere/far_nodes.hpp), as many as is cheapest, so that
+/// bending stays good to error_arcsec and, unless bending_only, columns, distance and path to error_arcsec/1000
+/// relatively.
+void merge_far_layers(LayerTable &table, const IndexTable &fine, const LayerAbsorbers &absorbers, double error_arcsec,
+                      bool bending_only);
 
 }  // namespace greenray

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "atmosphere/index_table.hpp"
+#include "bench/kind.hpp"
 #include "twin/twin.hpp"
 
 namespace greenray::bench {
@@ -30,16 +31,23 @@ class Runner {
 
 /// A method at one setting.
 struct Method {
-  std::string peer, version;  // whose; "" for our own kernels
-  std::string variant;
+  Kind kind;
+  std::string variant;  // "CURVE, SETTING": the words before the first comma name its work-precision curve
   std::string device;
   double table_arcsec = 0;   // error asked of the index table
   double tolerance_rad = 0;  // per step, in the method's own meaning
   std::function<std::unique_ptr<Runner>(const IndexTable &, std::span<const f64::RayStart>)> prepare;
+  std::string only_case = {};  // the one case that it can do; "": all
 };
 
-/// Boost.odeint (bench/odeint_peer.cpp); linked only where Boost was found.
+/// Boost.odeint, tuned in every way we know (bench/odeint_peer.cpp) and as it comes (bench/odeint_untuned.cpp); linked
+/// only where Boost was found.
 std::vector<Method> odeint_methods(unsigned threads, bool few);
+std::vector<Method> untuned_odeint_methods(unsigned threads, bool few);
+
+/// palRefro of the Starlink Positional Astronomy Library (bench/pal_peer.cpp), on the one air it knows (pal_air.hpp);
+/// linked only where PAL was found.
+std::vector<Method> pal_methods(unsigned threads, bool few);
 
 /// The kernels' own text as C++ for this processor, one lane and eight (bench/native_peer.cpp).
 std::vector<Method> native_methods(unsigned threads, bool few);

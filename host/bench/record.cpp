@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iomanip>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "support/error.hpp"
@@ -30,6 +31,11 @@ Json json_of(const Record &r) {
            {"case", r.case_name},
            {"variant", r.variant},
            {"device", r.device},
+           {"by", r.kind.by},
+           {"by_version", r.kind.version},
+           {"solver", r.kind.solver},
+           {"precision", r.kind.precision},
+           {"lanes", r.kind.lanes},
            {"rate", r.rate},
            {"rate_unit", r.rate_unit},
            {"error", r.error},
@@ -49,8 +55,16 @@ Json json_of(const Record &r) {
   return out;
 }
 
+/// Keys with a place of their own in Record; every other number goes to `more`.
+const std::set<std::string> own_keys{"rate",  "error",     "cpu_seconds", "wall_seconds", "peer_rate", "peer_error",
+                                     "ratio", "cpu_ratio", "median_rate", "repeats",      "lanes"};
+
 Record record_from(const Json &in) {
   Record r;
+  r.kind = {in.value("by", std::string()), in.value("by_version", std::string()), in.value("solver", std::string()),
+            in.value("precision", std::string()), in.value("lanes", 1)};
+  for (const auto &[name, value] : in.items())
+    if (value.is_number() && !own_keys.count(name)) r.more[name] = value.get<double>();
   r.suite = in.at("suite").get<std::string>();
   r.case_name = in.at("case").get<std::string>();
   r.variant = in.at("variant").get<std::string>();
@@ -106,7 +120,7 @@ Results read_results(const std::filesystem::path &path) {
 
 std::string line_of(const Record &r) {
   std::ostringstream text;
-  text << std::left << std::setw(12) << r.case_name << std::setw(58) << r.variant << std::right << std::setw(8)
+  text << std::left << std::setw(15) << r.case_name << std::setw(58) << r.variant << std::right << std::setw(8)
        << short_rate(r.rate) << r.rate_unit << "  error " << std::setprecision(3) << r.error << " " << r.error_unit;
   if (r.peer)
     text << "  " << std::setprecision(3) << r.peer->ratio << " x (CPU " << r.peer->cpu_ratio << " x) " << r.peer->name

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/kind.hpp"
+
 namespace greenray::bench {
 
 /// The peer's point that a record is held against.
@@ -19,6 +21,7 @@ struct PeerPoint {
 /// One method at one setting on one case.
 struct Record {
   std::string suite, case_name, variant, device;
+  Kind kind;
   double rate = 0;        // of the best run
   std::string rate_unit;  // "ray/s", "picture/s"
   double error = 0;
@@ -30,6 +33,13 @@ struct Record {
   std::map<std::string, double> more;  // numbers beyond the contract, by name
 
   std::string key() const { return suite + " | " + case_name + " | " + variant; }
+  /// The words of the variant before its first comma: one curve of a work-precision plot.
+  std::string curve() const { return variant.substr(0, variant.find(", ")); }
+  bool ours() const { return kind.by.empty(); }
+  double number(const std::string &name, double otherwise = 0) const {
+    const auto at = more.find(name);
+    return at == more.end() ? otherwise : at->second;
+  }
   /// (best - median)/best: what the machine's unrest does to the rate.
   double spread() const { return rate > 0 ? 1 - median_rate / rate : 0; }
 };
@@ -43,6 +53,9 @@ struct Results {
 };
 
 std::string as_json(const Results &results);
+/// The records as a table: lines of `# NAME: VALUE` about the run, one header row, one row a record. Text is quoted
+/// where it holds a comma or a quote; a number that a record has not is an empty field.
+std::string as_csv(const Results &results);
 /// Throws InputError naming the file when it is no result of `greenray bench`.
 Results read_results(const std::filesystem::path &path);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/pal_air.hpp"
 #include "bench/race.hpp"
 #include "render/host_rays.hpp"
 #include "render/launch.hpp"
@@ -11,13 +12,11 @@
 namespace greenray::bench {
 namespace {
 
-constexpr double wavelength_nm = 550;
-constexpr std::size_t reference_stride = 17;
 constexpr double reference_table_arcsec = 1e-8, reference_step_rad = 1e-13;
 
-Bent twin_ray(const std::vector<f64::IndexCell> &cells, const f64::Absorbers &absorbers, const f64::RayStart &start,
-              double tolerance_rad) {
-  const f64::TraceSettings settings{tolerance_rad, 1000000, static_cast<int>(cells.size())};
+Bent twin_ray(const std::vector<f64::IndexCell> &cells, std::size_t cells_per_row, const f64::Absorbers &absorbers,
+              const f64::RayStart &start, double tolerance_rad) {
+  const f64::TraceSettings settings{tolerance_rad, 1000000, static_cast<int>(cells_per_row)};
   f64::March march;
   f64::RayEnd end;
   f64::start_march(&march, cells.data(), &start, 0, 0, &settings, absorbers);
@@ -41,54 +40,82 @@ std::vector<f64::IndexCell> twin_cells(const IndexTable &table) {
   return cells;
 }
 
+namespace {
+
+/// delta_T at a height, its steepest slope, delta_T/(4 a), spanning thickness_m.
+InversionSpec inversion(double delta_T_K, double height_m, double thickness_m) {
+  InversionSpec spec;
+  spec.delta_T_K = delta_T_K;
+  spec.height_m = height_m;
+  spec.diffuseness_m = thickness_m / 4;
+  return spec;
+}
+
+}  // namespace
+
 std::vector<CaseAir> trace_cases() {
   CaseAir standard{"us76", {}, 2, 1e-4, 5};
   CaseAir thin{"thin-5K", {}, 2, 0.01, 5};
   thin.air.name = "us76 with an inversion of 5 K, 3 m thick, at 50 m";
-  InversionSpec inversion;
-  inversion.delta_T_K = 5.0;
-  inversion.height_m = 50.0;
-  inversion.diffuseness_m = 3.0 / 4;  // the steepest slope, delta_T/(4 a), then spans 3 m
-  thin.air.inversions.push_back(inversion);
-  return {standard, thin};
+  thin.air.inversions.push_back(inversion(5, 50, 3));
+  CaseAir ten{"ten-inversions", {}, 2, 0.01, 5};
+  ten.air.name = "us76 with ten inversions of 1 K, 3 m thick, from 50 to 500 m";
+  for (int i = 1; i <= 10; ++i) ten.air.inversions.push_back(inversion(1, 50 * i, 3));
+  ten.without = {"richardson", "image", "classical", "kinks", "1 lane"};
+  CaseAir pal{pal_case, {}, PalSite{}.eye_m, 0, 5};
+  pal.without = {"richardson", "image", "odeint", "native", "1 lane"};
+  pal.lowest_deg = 0;
+  pal.medium = [] { return pal_air(); };
+  return {standard, thin, ten, pal};
 }
 
-TraceCase::TraceCase(CaseAir air, std::size_t timed_rays, unsigned threads)
-    : air_(std::move(air)), profile_(air_.air), threads_(threads) {
-  lowest_deg_ = to_deg(horizon_rad(table(1e-4), air_.eye_m).value_or(0));
+TraceCase::TraceCase(CaseAir air, std::size_t timed_rays, std::size_t reference_rays, unsigned threads)
+    : air_(std::move(air)), threads_(threads) {
+  if (air_.medium) medium_ = air_.medium();
+  else medium_ = layered_medium(profile_.emplace(air_.air), false);
+  lowest_deg_ = air_.lowest_deg ? *air_.lowest_deg : to_deg(horizon_rad(table(1e-4), air_.eye_m).value_or(0));
   const double first = to_rad(lowest_deg_ + air_.margin_deg), last = to_rad(air_.highest_deg);
   for (std::size_t i = 0; i < timed_rays; ++i)
     altitudes_rad_.push_back(first + (last - first) * static_cast<double>(i) / static_cast<double>(timed_rays - 1));
-  for (std::size_t i = 0; i < timed_rays; i += reference_stride) reference_altitudes_rad_.push_back(altitudes_rad_[i]);
+  const std::size_t stride = (timed_rays / reference_rays) | 1;
+  for (std::size_t i = 0; i < timed_rays; i += stride) reference_altitudes_rad_.push_back(altitudes_rad_[i]);
 
   reference_ = trace_finely(reference_table_arcsec, reference_step_rad);
   const std::vector<Bent> coarser = trace_finely(10 * reference_table_arcsec, 10 * reference_step_rad);
   for (std::size_t i = 0; i < reference_.size(); ++i)
     reference_error_arcsec_ =
         std::max(reference_error_arcsec_, to_arcsec(std::abs(reference_[i].bending_rad - coarser[i].bending_rad)));
+  weigh_errors();
+}
+
+/// max(1, |dR/da|) from each reference ray's neighbours of its own wavelength.
+void TraceCase::weigh_errors() {
   const double spacing_rad = reference_altitudes_rad_[1] - reference_altitudes_rad_[0];
-  for (std::size_t i = 0; i < reference_.size(); ++i) {
-    const std::size_t a = i == 0 ? 0 : i - 1, b = std::min(i + 1, reference_.size() - 1);
-    const double slope =
-        (reference_[b].bending_rad - reference_[a].bending_rad) / (spacing_rad * static_cast<double>(b - a));
-    amplification_.push_back(std::max(1.0, std::abs(slope)));
-  }
+  const std::size_t last = reference_altitudes_rad_.size() - 1, waves = wavelengths();
+  for (std::size_t i = 0; i <= last; ++i)
+    for (std::size_t w = 0; w < waves; ++w) {
+      const std::size_t a = i == 0 ? 0 : i - 1, b = std::min(i + 1, last);
+      const double slope = (reference_[b * waves + w].bending_rad - reference_[a * waves + w].bending_rad) /
+                           (spacing_rad * static_cast<double>(b - a));
+      amplification_.push_back(std::max(1.0, std::abs(slope)));
+    }
 }
 
 const IndexTable &TraceCase::table(double error_arcsec) {
   std::unique_ptr<IndexTable> &known = tables_[error_arcsec];
   if (!known)
     known = std::make_unique<IndexTable>(
-        build_index_table(profile_, {wavelength_nm}, IndexTableOptions{false, error_arcsec, air_.eye_m}));
+        build_index_table(medium_, air_.wavelengths_nm, IndexTableOptions{false, error_arcsec, air_.eye_m}));
   return *known;
 }
 
 std::vector<f64::RayStart> TraceCase::starts(const IndexTable &table, std::size_t count) const {
   std::vector<f64::RayStart> rays;
-  if (count == 0)
-    for (double altitude : reference_altitudes_rad_) rays.push_back(launch(table, 0, air_.eye_m, altitude));
-  for (std::size_t i = 0; i < count; ++i)
-    rays.push_back(launch(table, 0, air_.eye_m, altitudes_rad_[i * altitudes_rad_.size() / count]));
+  const std::vector<double> &all = count == 0 ? reference_altitudes_rad_ : altitudes_rad_;
+  const std::size_t wanted = count == 0 ? all.size() : count;
+  for (std::size_t i = 0; i < wanted; ++i)
+    for (std::size_t row = 0; row < wavelengths(); ++row)
+      rays.push_back(launch(table, row, air_.eye_m, all[i * all.size() / wanted]));
   return rays;
 }
 
@@ -99,7 +126,8 @@ std::vector<Bent> TraceCase::trace_finely(double table_arcsec, double tolerance_
   const std::vector<f64::RayStart> rays = starts(fine, 0);
   std::vector<Bent> ends(rays.size());
   on_threads(rays.size(), 16, threads_, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) ends[i] = twin_ray(cells, absorbers, rays[i], tolerance_rad);
+    for (std::size_t i = first; i < last; ++i)
+      ends[i] = twin_ray(cells, fine.cells_per_row, absorbers, rays[i], tolerance_rad);
   });
   return ends;
 }

@@ -15,13 +15,19 @@ struct SuiteOptions {
   bool quick = false;                            // few rays, few settings: to see that it works, not how fast
   unsigned threads = 1;                          // of peers: as many as the device has
   std::string only;                              // methods whose variant contains this; "": all
+  std::vector<unsigned> scale{};                 // thread counts to compare, by device fission; {}: one and all
   DeviceOptions device;                          // opened again with one lane
   std::function<void(const std::string &)> say;  // progress
   std::function<void(const Record &)> done;      // each record as it is made
 };
 
-/// peers: methods beside ours; may be empty. Two cases, each with its own double reference (bench/README.md).
+/// peers: methods beside ours; may be empty. Four airs, each with its own double reference, then run_scaling
+/// (bench/README.md).
 std::vector<Record> run_trace_suite(const SuiteOptions &options, const std::vector<Method> &peers);
+
+/// Suite images: seconds of whole pictures against their RMS error, by look-up in the transfer table and pixel by
+/// pixel.
+std::vector<Record> run_images_suite(const SuiteOptions &options);
 
 /// Suite scenes: seconds by phase of shipped scenes.
 std::vector<Record> run_scenes_suite(const SuiteOptions &options);
@@ -33,7 +39,6 @@ std::vector<Record> run_eye_suite(const SuiteOptions &options);
 /// speed and error, the one with the smallest error that is not below ours. The peer is then at most as accurate as we
 /// are, and at our own accuracy it would be slower: the ratio is never flattered. None if every point of the peer is
 /// more accurate.
-std::optional<PeerPoint> fair_peer(const Record &ours, const std::vector<Record> &peer_points, const std::string &name,
-                                   const std::string &version);
+std::optional<PeerPoint> fair_peer(const Record &ours, const std::vector<Record> &peer_points);
 
 }  // namespace greenray::bench

@@ -110,7 +110,8 @@ void print_header(const Scene &scene, const RenderPlan &plan, const Device &devi
   if (air.exaggerate != 1)
     std::cout << ", refractivity EXAGGERATED " << std::defaultfloat << air.exaggerate << " times";
   std::cout << "\nplan     " << plan.size[0] << "x" << plan.size[1] << ", " << plan.wavelengths_nm.size()
-            << " wavelengths, " << plan.rays << " rays into one transfer table, "
+            << " wavelengths" << (plan.bent_nm.size() < plan.wavelengths_nm.size() ? " that bend as one" : "") << ", "
+            << method_name(plan.method) << ", " << (plan.per_pixel ? "rays for every pixel, " : "one transfer table, ")
             << (plan.precision == Precision::double_ ? "double" : "float") << "\n"
             << std::flush;
 }
@@ -231,10 +232,15 @@ int check(const Arguments &a) {
   std::cout << "scene    " << scene.name << "  \"" << scene.title << "\"  (" << scene_hash(scene) << ")\n"
             << "picture  " << plan.size[0] << "x" << plan.size[1] << ", " << plan.pixel_arcsec << "\" a pixel, "
             << plan.wavelengths_nm.size() << " wavelengths\n"
-            << "rays     " << plan.rays << ": " << plan.entries << " elevations " << plan.spacing_arcsec
-            << "\" apart from " << plan.first_elevation_deg << " deg\n"
+            << "look-up  " << plan.entries << " elevations " << plan.spacing_arcsec << "\" apart from "
+            << plan.first_elevation_deg << " deg\n"
             << "memory   " << plan.device_bytes / 1000000 + 1 << " MB on the device, " << plan.host_bytes / 1000000 + 1
             << " MB on the host\n";
+  for (const PlanChoice &c : plan.choices) {
+    std::cout << "chosen   " << c.what << ": " << c.chosen << " (" << c.why << ")";
+    if (!c.cost_unit.empty()) std::cout << "; costs " << c.cost << " " << c.cost_unit;
+    std::cout << "\n";
+  }
   for (const std::string &what : plan.modelled) std::cout << "modelled " << what << "\n";
   for (const std::string &what : plan.left_out) std::cout << "left out " << what << "\n";
   return 0;

@@ -22,9 +22,9 @@ TraceRequest request_from(const Arguments &a) {
   request.precision = precision_of(a, Precision::double_);
   request.flat = a.choice("--surface", {"sphere", "flat"}, "sphere") == "flat";
   const std::string method = a.choice("--method", {"auto", "rk", "richardson", "cells"}, "auto");
-  if (method == "cells")
-    a.fail("--method", "closed-form cells are not built yet in this version: expected auto | rk | richardson");
-  request.integrator = method == "richardson" ? Integrator::richardson : Integrator::dormand_prince;
+  request.method = method == "richardson" ? RayMethod::richardson
+                   : method == "rk"       ? RayMethod::dormand_prince
+                                          : RayMethod::cells;
   const bool single = request.precision == Precision::single_;
   request.tolerance_arcsec = a.optional_number("--tolerance", 1e-6, 3600, "arcsec")
                                  .value_or(single                   ? 1e-3
@@ -102,7 +102,7 @@ Command trace_command() {
                         {"--distances", "", "LIST", "distances along the surface [m]", true},
                         {"--surface", "", "S", "sphere (default) | flat"},
                         {"--precision", "", "P", "float | double (default)"},
-                        {"--method", "", "M", "auto | rk | richardson"},
+                        {"--method", "", "M", "auto (cells) | cells: layers in closed form | rk | richardson"},
                         {"--tolerance", "", "ARCSEC", "local accuracy of direction"},
                         {"--plot", "", "FILE.svg", "draw the rays, height against distance"},
                         {"--format", "", "F", "csv (default) | json"},

@@ -1,6 +1,7 @@
 #include "image/svg.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 
@@ -10,7 +11,8 @@
 namespace greenray {
 namespace {
 
-constexpr double margin_left = 66, margin_right = 22, margin_top = 64, margin_bottom = 92, gap = 76;
+constexpr double margin_left = 66, margin_right = 22, margin_top = 64, margin_bottom = 92, margin_bottom_bare = 50,
+                 gap = 76;
 const char *const font = "font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\"";
 
 std::string escaped(const std::string &text) {
@@ -73,12 +75,46 @@ std::string line_at(double x1, double y1, double x2, double y2, const std::strin
          "/>\n";
 }
 
+/// The marker's outline around a point; `inside` is put between its tags.
+std::string marker_at(const PlotLine &line, double x, double y, const std::string &inside = "") {
+  const std::string paint = " fill=\"" + (line.hollow ? "white" : clean(line.colour)) + "\" stroke=\"" +
+                            (line.hollow ? clean(line.colour) : "white") + "\" stroke-width=\"" +
+                            (line.hollow ? "1.6" : "0.8") + "\"";
+  const auto polygon = [&](const std::vector<std::array<double, 2>> &corners) {
+    std::string points;
+    for (const auto &[dx, dy] : corners) points += (points.empty() ? "" : " ") + px(x + dx) + "," + px(y + dy);
+    return "<polygon points=\"" + points + "\"" + paint + ">" + inside + "</polygon>\n";
+  };
+  switch (line.marker) {
+    case PlotMarker::none:
+      return "";
+    case PlotMarker::disc:
+      return "<circle cx=\"" + px(x) + "\" cy=\"" + px(y) + "\" r=\"4\"" + paint + ">" + inside + "</circle>\n";
+    case PlotMarker::square:
+      return polygon({{-3.6, -3.6}, {3.6, -3.6}, {3.6, 3.6}, {-3.6, 3.6}});
+    case PlotMarker::diamond:
+      return polygon({{0, -5}, {5, 0}, {0, 5}, {-5, 0}});
+    case PlotMarker::triangle:
+      return polygon({{0, -5}, {4.8, 3.6}, {-4.8, 3.6}});
+  }
+  return "";
+}
+
+/// A short piece of a line, with its marker in the middle.
+std::string sample_of(const PlotLine &line, double x, double y, double width) {
+  const std::string dashes = line.dashed ? " stroke-dasharray=\"6 4\"" : "";
+  const std::string stroke = "stroke=\"" + clean(line.colour) + "\" stroke-width=\"2.4\"" + dashes;
+  return (line.width > 0 ? line_at(x, y, x + width, y, stroke) : "") + marker_at(line, x + width / 2, y);
+}
+
 /// One panel at its place in the picture.
 class PanelDrawing {
  public:
   PanelDrawing(const Plot &plot, const PlotPanel &panel, std::size_t index)
       : panel_(panel),
         index_(index),
+        id_(plot.id),
+        with_legend_(plot.legend),
         left_(margin_left + static_cast<double>(index) * (plot.panel_width + gap)),
         width_(plot.panel_width),
         height_(plot.panel_height),
@@ -86,14 +122,15 @@ class PanelDrawing {
         y_(panel.y, collect(&PlotLine::y)) {}
 
   std::string draw() const {
-    const std::string clip = "panel" + std::to_string(index_);
+    const std::string clip = id_ + "panel" + std::to_string(index_);
     const std::string frame = " x=\"" + px(left_) + "\" y=\"" + px(margin_top) + "\" width=\"" + px(width_) +
                               "\" height=\"" + px(height_) + "\"";
     std::string svg = "<clipPath id=\"" + clip + "\"><rect" + frame + "/></clipPath>\n<rect" + frame +
                       " fill=\"#fbfbf9\"/>\n<g clip-path=\"url(#" + clip + ")\">\n" + bands() + grid();
     for (const PlotLine &line : panel_.lines) svg += path(line);
-    svg += levels() + "</g>\n<rect" + frame + " fill=\"none\" stroke=\"#444\"/>\n" + labels() + legend();
-    return svg;
+    svg += levels() + "</g>\n<rect" + frame + " fill=\"none\" stroke=\"#444\"/>\n";
+    for (const PlotLine &line : panel_.lines) svg += markers(line);
+    return svg + labels() + (with_legend_ ? legend() : "");
   }
 
  private:
@@ -132,7 +169,20 @@ class PanelDrawing {
     return svg;
   }
 
+  /// Those inside the frame, whole even where they cross it.
+  std::string markers(const PlotLine &line) const {
+    std::string svg;
+    for (std::size_t i = 0; i < std::min(line.x.size(), line.y.size()); ++i) {
+      const double x = x_.at(line.x[i]), y = y_.at(line.y[i]);
+      if (!(x >= 0 && x <= 1 && y >= 0 && y <= 1)) continue;
+      const std::string note = i < line.notes.size() ? "<title>" + clean(line.notes[i]) + "</title>" : "";
+      svg += marker_at(line, px_x(x), px_y(y), note);
+    }
+    return svg;
+  }
+
   std::string path(const PlotLine &line) const {
+    if (!(line.width > 0)) return "";
     std::string points;
     bool broken = true;
     for (std::size_t i = 0; i < std::min(line.x.size(), line.y.size()); ++i) {
@@ -200,9 +250,7 @@ class PanelDrawing {
                        std::string(font) + " font-size=\"10.5\" fill=\"#333\" text-anchor=\"end\"");
         break;
       }
-      svg += line_at(x, y - 4, x + 20, y - 4,
-                     "stroke=\"" + clean(line.colour) + "\" stroke-width=\"2.4\"" +
-                         (line.dashed ? " stroke-dasharray=\"6 4\"" : ""));
+      svg += sample_of(line, x, y - 4, 20);
       svg += text_at(x + 25, y, line.name, std::string(font) + " font-size=\"10.5\" fill=\"#333\"");
       x += wide;
     }
@@ -211,6 +259,8 @@ class PanelDrawing {
 
   const PlotPanel &panel_;
   std::size_t index_;
+  std::string id_;
+  bool with_legend_;
   double left_, width_, height_;
   PlotScale x_, y_;
 };
@@ -233,10 +283,15 @@ std::string wavelength_colour(double wavelength_nm) {
   return text;
 }
 
+std::string svg_swatch(const PlotLine &line) {
+  return "<svg width=\"36\" height=\"12\" viewBox=\"0 0 36 12\" aria-hidden=\"true\">" + sample_of(line, 0, 6, 36) +
+         "</svg>";
+}
+
 std::string draw_svg(const Plot &plot) {
   const double panels = static_cast<double>(plot.panels.size());
   const double width = margin_left + margin_right + panels * plot.panel_width + std::max(0.0, panels - 1) * gap;
-  const double height = margin_top + plot.panel_height + margin_bottom;
+  const double height = margin_top + plot.panel_height + (plot.legend ? margin_bottom : margin_bottom_bare);
   std::string svg =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
       "version=\"1.1\" width=\"" +

@@ -14,13 +14,18 @@ struct PlotAxis {
   std::optional<double> low = std::nullopt, high = std::nullopt;
 };
 
+enum class PlotMarker { none, disc, square, diamond, triangle };
+
 /// Points joined in order; a point that is not finite (or not above 0 on a log axis) breaks the line.
 struct PlotLine {
   std::string name;    // in the legend, once for each name and colour; "" for none
   std::string colour;  // "#rrggbb"
   std::vector<double> x, y;
   bool dashed = false;
-  double width = 1.6;
+  double width = 1.6;                    // 0: the points are not joined
+  PlotMarker marker = PlotMarker::none;  // at each point
+  bool hollow = false;                   // markers white inside
+  std::vector<std::string> notes = {};   // of each point: shown when a viewer's pointer rests on its marker
 };
 
 /// A shaded stretch of the y axis, over the panel's full width.
@@ -48,7 +53,12 @@ struct Plot {
   std::string title, subtitle;
   std::vector<PlotPanel> panels;
   double panel_width = 260, panel_height = 380;  // of the plotting area, in pixels
+  std::string id = {};                           // tells several plots in one page apart; letters and digits
+  bool legend = true;
 };
+
+/// A line as the legend shows it, with its marker; a small SVG element to stand in a page's own text.
+std::string svg_swatch(const PlotLine &line);
 
 /* The plot as a standalone SVG 1.1 document, UTF-8. All text is escaped; what cannot be drawn (no finite point, limits
    that coincide) gives an empty or widened panel, never a NaN. The same plot gives the same bytes. */

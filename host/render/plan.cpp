@@ -1,9 +1,12 @@
 // What a scene needs, and no more.
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
+#include "render/host_rays.hpp"
 #include "render/renderer.hpp"
 #include "render/spectrum.hpp"
+#include "render/sun_place.hpp"
 #include "support/angle.hpp"
 #include "twin/twin.hpp"
 
@@ -63,21 +66,94 @@ void size_transfer_table(const Scene &scene, RenderPlan &plan) {
   plan.entries = static_cast<std::size_t>(entries) + 1;
   plan.first_elevation_deg = to_deg(range.low);
   plan.spacing_arcsec = to_arcsec((range.high - range.low) / entries);
-  plan.rays = plan.entries * plan.wavelengths_nm.size();
+}
+
+double pixel_share(double arcsec, const RenderPlan &plan) { return arcsec / plan.pixel_arcsec; }
+
+constexpr double float_arcsec = 0.005;  // what float leaves uncertain at the horizon; measured, docs/method.md
+
+void choose_solver(const Scene &scene, const RenderOptions &options, RenderPlan &plan) {
+  using Method = TracingScene::Method;
+  const TracingScene &t = scene.tracing;
+  plan.method = t.method == Method::richardson ? RayMethod::richardson
+                : t.method == Method::rk45     ? RayMethod::dormand_prince
+                                               : RayMethod::cells;
+  const bool constant = options.straight || scene.atmosphere.profile.exaggerate == 0;
+  const std::string why = t.method != Method::automatic ? "tracing.method asks for it"
+                          : constant                    ? "n is constant: the closed form of a straight line"
+                                                        : "n depends on height alone: layers in closed form";
+  plan.choices.push_back({"solver", method_name(plan.method), why, constant ? 0 : t.table_arcsec, "arcsec"});
+
+  const bool fine_pixels = plan.pixel_arcsec < 20 * float_arcsec;
+  const bool asked = t.precision != TracingScene::Precision::automatic;
+  const bool in_double = asked ? t.precision == TracingScene::Precision::double_ : fine_pixels;
+  plan.precision = in_double ? Precision::double_ : Precision::single_;
+  std::ostringstream words;
+  words << "float is good to " << float_arcsec << "\", " << pixel_share(float_arcsec, plan) << " pixel";
+  plan.choices.push_back({"precision", in_double ? "double" : "float",
+                          asked ? "tracing.precision asks for it" : words.str(), in_double ? 1e-5 : float_arcsec,
+                          "arcsec"});
+
+  plan.per_pixel = t.transfer == TracingScene::Transfer::per_pixel;
+  plan.choices.push_back(
+      {"rays", plan.per_pixel ? "every sample of every pixel" : "one transfer curve over elevation and wavelength",
+       plan.per_pixel ? "tracing.transfer = \"per-pixel\""
+                      : "what a ray does depends on its elevation and wavelength alone",
+       plan.per_pixel ? 0 : t.table_arcsec, "arcsec"});
+}
+
+/// How far apart the picture's outermost wavelengths are seen, at most, over elevations across the picture and just
+/// above its horizon.
+double dispersion_arcsec(const Scene &scene, const RenderOptions &options, const RenderPlan &plan) {
+  const Profile profile(spec_for(scene, options));
+  const double height_m = scene.observer.height_m;
+  const std::vector<double> ends{plan.wavelengths_nm.front(), plan.wavelengths_nm.back()};
+  const IndexTable table =
+      build_index_table(profile, ends, {scene.atmosphere.surface == Surface::flat, 0.01, height_m});
+  const double low = to_rad(plan.first_elevation_deg);
+  const double high = low + from_arcsec(plan.spacing_arcsec) * static_cast<double>(plan.entries - 1);
+  std::vector<double> elevations;
+  for (int i = 0; i <= 8; ++i) elevations.push_back(low + (high - low) * i / 8);
+  if (const auto horizon = horizon_rad(table, height_m))
+    if (*horizon > low && *horizon < high) elevations.push_back(*horizon + from_arcsec(10));
+  double widest = 0;
+  for (double e : elevations) {
+    const f64::RayEnd a = trace_on_host(table, 0, height_m, e), b = trace_on_host(table, 1, height_m, e);
+    if (a.outcome == b.outcome) widest = std::max(widest, std::abs(a.bending_rad - b.bending_rad));
+  }
+  return to_arcsec(widest);
+}
+
+constexpr double visible_pixels = 0.1;  // images of two wavelengths nearer to each other than this look like one
+
+/// One wavelength's rays serve all where the eye could not see them part.
+void choose_wavelengths(const Scene &scene, const RenderOptions &options, RenderPlan &plan) {
+  plan.bent_nm = plan.wavelengths_nm;
+  const bool asked = scene.tracing.dispersion != TracingScene::Dispersion::automatic;
+  if (plan.wavelengths_nm.size() == 1) {
+    plan.choices.push_back({"bending", "one wavelength", "the picture has one", 0, ""});
+    return;
+  }
+  const double apart = dispersion_arcsec(scene, options, plan), pixels = pixel_share(apart, plan);
+  const bool one = asked ? scene.tracing.dispersion == TracingScene::Dispersion::off : pixels < visible_pixels;
+  if (one) plan.bent_nm = {plan.wavelengths_nm[plan.wavelengths_nm.size() / 2]};
+  std::ostringstream words;
+  words << (asked ? "tracing.dispersion asks for it; " : "") << plan.wavelengths_nm.front() << " and "
+        << plan.wavelengths_nm.back() << " nm are seen at most " << apart << "\" apart, " << pixels << " pixel";
+  if (!asked) words << (one ? ", below " : ", above ") << visible_pixels;
+  plan.choices.push_back(
+      {"bending", one ? "one wavelength for all" : "each wavelength its own", words.str(), one ? pixels : 0, "pixel"});
 }
 
 void explain(const Scene &scene, const RenderOptions &options, RenderPlan &plan) {
   auto &did = plan.modelled, &left = plan.left_out;
   if (options.straight) left.push_back("bending: --straight");
   else did.push_back("bent rays: the index varies with height");
-  if (scene.tracing.transfer == TracingScene::Transfer::per_pixel)
-    left.push_back("tracing.transfer = \"per-pixel\": not built yet in this version, the table is used");
-  if (scene.tracing.transfer == TracingScene::Transfer::per_pixel)
-    did.push_back("rays for every sample of every pixel: tracing.transfer = \"per-pixel\"");
-  else did.push_back("one transfer table over elevation and wavelength: the index depends on height alone");
-  if (plan.wavelengths_nm.size() > 1)
-    did.push_back("dispersion: " + std::to_string(plan.wavelengths_nm.size()) + " wavelengths");
-  else left.push_back("dispersion: one wavelength asked for");
+  if (plan.bent_nm.size() > 1) did.push_back("dispersion: " + std::to_string(plan.bent_nm.size()) + " wavelengths");
+  else
+    left.push_back(plan.wavelengths_nm.size() > 1
+                       ? "dispersion of bending: too small to be seen, or tracing.dispersion = \"off\""
+                       : "dispersion: one wavelength asked for");
   const bool academic = scene.sky.model == SkyScene::Model::academic;
   if (academic) left.push_back("sky light and extinction: academic sky (black, white disk)");
   else if (!scene.atmosphere.extinction) left.push_back("extinction: atmosphere.extinction = false");
@@ -106,10 +182,10 @@ RenderPlan plan_render(const Scene &scene, const RenderOptions &options) {
   plan.wavelengths_nm =
       wavelengths_even_in_refraction(scene.atmosphere.profile.index, scene.spectrum.range_nm, scene.spectrum.samples);
   const TracingScene &t = scene.tracing;
-  plan.precision = t.precision == TracingScene::Precision::double_ ? Precision::double_ : Precision::single_;
-  plan.integrator = t.method == TracingScene::Method::richardson ? Integrator::richardson : Integrator::dormand_prince;
   plan.pixel_arcsec = to_arcsec(2 * std::tan(to_rad(scene.observer.fov_deg) / 2) / plan.size[0]);
   size_transfer_table(scene, plan);
+  choose_solver(scene, options, plan);
+  choose_wavelengths(scene, options, plan);
 
   const bool own = options.spp || options.error_pct || options.minutes;
   const std::optional<int> spp = own ? options.spp : t.spp;
@@ -120,9 +196,10 @@ RenderPlan plan_render(const Scene &scene, const RenderOptions &options) {
   const auto pixels =
       static_cast<std::size_t>(plan.crop[2] - plan.crop[0]) * static_cast<std::size_t>(plan.crop[3] - plan.crop[1]);
   const std::size_t padded = (plan.wavelengths_nm.size() + 7) / 8 * 8;
-  plan.host_bytes = pixels * (plan.wavelengths_nm.size() + padded + 8) * sizeof(float) + plan.rays * 300;
-  plan.device_bytes = pixels * (padded + 2) * sizeof(float) + plan.entries * padded * 5 * sizeof(float) +
-                      std::min<std::size_t>(plan.rays, std::size_t{1} << 18) * 168;
+  plan.host_bytes = pixels * (plan.wavelengths_nm.size() + padded + 8) * sizeof(float) +
+                    plan.entries * plan.wavelengths_nm.size() * 300;
+  plan.device_bytes =
+      pixels * (padded + 2) * sizeof(float) + plan.entries * padded * 5 * sizeof(float) + (std::size_t{1} << 18) * 168;
   explain(scene, options, plan);
   return plan;
 }

@@ -5,12 +5,9 @@
 #include <vector>
 
 #include "atmosphere/profile.hpp"
-#include "compute/ray_tracer.hpp"
+#include "render/sky_rays.hpp"
 
 namespace greenray {
-
-/// How a refraction is found: layers in closed form, or steps.
-enum class RayMethod { cells, dormand_prince, richardson };
 
 struct RefractionRequest {
   double height_m = 0;                // of the eye
@@ -30,7 +27,7 @@ struct RefractionRow {
   double min_height_m, max_height_m;
   std::optional<double> ground_distance_m;
   int turning_points;
-  double error_arcsec;  // estimate: difference of two settings (table, tolerance, precision)
+  double error_arcsec;  // bound: see refraction_table
 };
 
 struct RefractionTable {
@@ -44,7 +41,9 @@ struct RefractionTable {
 
 /// Traces twice, with a coarser and a finer table and step tolerance, and tightens both until the difference is within
 /// the tolerance; in float the finer one is in double where the device has it, so that rounding is part of the
-/// estimate.
+/// estimate. A row's error: one and a half times that difference, plus what both settings may have in common, the finer
+/// one's table error times max(1, |dR/da|), for near a fold an error of direction is an error of refraction so many
+/// times larger.
 RefractionTable refraction_table(const Profile &profile, const RefractionRequest &request,
                                  const std::shared_ptr<Device> &device);
 
@@ -52,7 +51,7 @@ struct TraceRequest {
   double height_m = 0;
   std::vector<double> altitudes_deg, wavelengths_nm, distances_m;
   Precision precision = Precision::double_;
-  Integrator integrator = Integrator::dormand_prince;
+  RayMethod method = RayMethod::cells;
   double tolerance_arcsec = 1e-4;
   bool flat = false;
 };

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "render/host_rays.hpp"
-#include "render/refraction.hpp"
 #include "render/sky.hpp"
 #include "render/sun_place.hpp"
+#include "render/transfer_curve.hpp"
 #include "support/angle.hpp"
 
 namespace greenray {
@@ -34,10 +34,9 @@ class Renderer {
     const auto begin = Clock::now();
     progress("table", 0);
     reference_ = reference_table(scene_, profile_);
-    table_ = build_index_table(profile_, plan_.wavelengths_nm,
-                               {flat_, scene_.tracing.table_arcsec, scene_.observer.height_m});
-    report_.table_cells = table_.cells_per_row;
-    report_.table_bound_arcsec = table_.bound_arcsec;
+    rays_.emplace(profile_, plan_.bent_nm, ray_options(), device_);
+    report_.table_cells = rays_->cells();
+    report_.table_bound_arcsec = rays_->table().bound_arcsec;
     place_sun();
     measure_table();
     report_.build_seconds = seconds_since(begin);
@@ -64,50 +63,78 @@ class Renderer {
       report_.sun_apparent_altitude_deg = to_deg(*seen);
   }
 
-  /// Error of the table: its rays against those of a table thirty times finer, in double on the host.
+  /// Error of the table: its rays against those of a table thirty times finer, in double on the host. Error of the
+  /// layers: the device's rays against those in double by steps through the same table.
   void measure_table() {
-    const std::size_t row = plan_.wavelengths_nm.size() / 2;
-    const IndexTable fine = build_index_table(profile_, {plan_.wavelengths_nm[row]},
+    const std::size_t row = plan_.bent_nm.size() / 2;
+    const IndexTable &table = rays_->table();
+    const IndexTable fine = build_index_table(profile_, {plan_.bent_nm[row]},
                                               {flat_, scene_.tracing.table_arcsec / 30, scene_.observer.height_m});
-    for (int i = 0; i < 48; ++i) {
-      const double e = to_rad(plan_.first_elevation_deg) +
-                       from_arcsec(plan_.spacing_arcsec) * static_cast<double>(plan_.entries - 1) * (i + 0.5) / 48;
-      const f64::RayEnd a = trace_on_host(table_, row, scene_.observer.height_m, e);
-      const f64::RayEnd b = trace_on_host(fine, 0, scene_.observer.height_m, e);
+    std::vector<double> elevations;
+    for (int i = 0; i < 48; ++i)
+      elevations.push_back(to_rad(plan_.first_elevation_deg) +
+                           from_arcsec(plan_.spacing_arcsec) * static_cast<double>(plan_.entries - 1) * (i + 0.5) / 48);
+    const std::vector<f64::RayEnd> ours = rays_->trace(elevations);
+    const auto worse = [](double &worst, const f64::RayEnd &a, const f64::RayEnd &b) {
       if (a.outcome == f64::RAY_SPACE && b.outcome == f64::RAY_SPACE)
-        report_.table_arcsec = std::max(report_.table_arcsec, to_arcsec(std::abs(a.bending_rad - b.bending_rad)));
+        worst = std::max(worst, to_arcsec(std::abs(a.bending_rad - b.bending_rad)));
+    };
+    for (std::size_t i = 0; i < elevations.size(); ++i) {
+      const f64::RayEnd a = trace_on_host(table, row, scene_.observer.height_m, elevations[i]);
+      worse(report_.table_arcsec, a, trace_on_host(fine, 0, scene_.observer.height_m, elevations[i]));
+      if (plan_.method == RayMethod::cells) worse(report_.solver_arcsec, a, ours[i * plan_.bent_nm.size() + row]);
     }
   }
 
-  TraceOptions trace_options() const {
-    TraceOptions trace;
-    trace.between_batches = stop_if_asked;
-    trace.precision = plan_.precision;
-    trace.integrator = plan_.integrator;
-    trace.tolerance_rad = scene_.tracing.tolerance;
-    trace.max_steps = scene_.tracing.max_steps;
-    trace.absorbers = {0, ozone_peak_m, ozone_width_m, scene_.atmosphere.aerosol_scale_height_m};
-    return trace;
+  SkyRayOptions ray_options() const {
+    SkyRayOptions rays;
+    rays.height_m = scene_.observer.height_m;
+    rays.flat = flat_;
+    rays.method = plan_.method;
+    rays.precision = plan_.precision;
+    rays.error_arcsec = scene_.tracing.table_arcsec;
+    rays.step_rad = scene_.tracing.tolerance;
+    rays.max_steps = scene_.tracing.max_steps;
+    rays.absorbers = {ozone_peak_m, ozone_width_m, scene_.atmosphere.aerosol_scale_height_m};
+    return rays;
   }
 
   void trace_table() {
     progress("rays", 0);
     const auto begin = Clock::now();
     const double compiled_before = device_->compile_seconds();
-    RayTracer tracer(device_, table_, trace_options());
-    const double height_m = scene_.observer.height_m;
-    transfer_ = trace_transfer(tracer, table_, height_m, to_rad(plan_.first_elevation_deg),
-                               from_arcsec(plan_.spacing_arcsec), plan_.entries);
-    find_edges(transfer_, table_, height_m);
-    report_.trace = tracer.stats();  // of the picture's own rays; those below are measurements
-    probes_ = probe_between(tracer, table_, height_m, transfer_, lookup_probes);
+    const double low = to_rad(plan_.first_elevation_deg), spacing = from_arcsec(plan_.spacing_arcsec);
+    const double high = low + spacing * static_cast<double>(plan_.entries - 1);
+    const TransferCurve curve = trace_transfer_curve(*rays_, low, std::min(high, pi / 2), scene_.tracing.table_arcsec);
+    report_.curve_entries = curve.elevation_rad.size();
+    transfer_ = evenly_spaced(curve, low, spacing, plan_.entries);
+    report_.trace = rays_->stats();  // of the picture's own rays; those below are measurements
+    probes_ = probe_between(*rays_, transfer_, lookup_probes);
     report_.lookup_arcsec = lookup_error_arcsec(transfer_, probes_);
-    towards_sun_ = trace_transfer(tracer, table_, height_m, to_rad(sunlight_altitude_deg()), 0, 1).rays;
-    at_10_degrees_ = trace_transfer(tracer, table_, height_m, to_rad(10), 0, 1).rays;
-    report_.table_in_image = tracer.uses_image();
-    report_.solver_arcsec = to_arcsec(report_.trace.solver_error_rad);
+    towards_sun_ = for_all_wavelengths(trace_elevations(*rays_, {to_rad(sunlight_altitude_deg())}).rays);
+    at_10_degrees_ = for_all_wavelengths(trace_elevations(*rays_, {to_rad(10)}).rays);
+    share_wavelengths();
+    report_.table_in_image = rays_->table_in_image();
+    if (plan_.method != RayMethod::cells) report_.solver_arcsec = to_arcsec(report_.trace.solver_error_rad);
     compiled_while_tracing_ = device_->compile_seconds() - compiled_before;
     report_.emit_seconds = seconds_since(begin);
+  }
+
+  /// Where one wavelength's rays serve all: as many copies.
+  template <class Value>
+  std::vector<Value> for_all_wavelengths(const std::vector<Value> &values) const {
+    if (plan_.bent_nm.size() == plan_.wavelengths_nm.size()) return values;
+    std::vector<Value> all;
+    all.reserve(values.size() * plan_.wavelengths_nm.size());
+    for (const Value &value : values) all.insert(all.end(), plan_.wavelengths_nm.size(), value);
+    return all;
+  }
+
+  void share_wavelengths() {
+    transfer_.rays = for_all_wavelengths(transfer_.rays);
+    transfer_.edges = for_all_wavelengths(transfer_.edges);
+    probes_.rays = for_all_wavelengths(probes_.rays);
+    transfer_.wavelengths = plan_.wavelengths_nm.size();
   }
 
   /// Where the Sun is seen; below the horizon, just above it: a few arc-seconds, for each wavelength has its own
@@ -149,7 +176,7 @@ class Renderer {
     const SkyTable sky = make_sky_table(scene_, transfer_, towards_sun_, at_10_degrees_, air, sun_, waves);
     if (sun_.shines) report_.sun_optical_depth = optical_depth(towards_sun_[air.size() / 2], air[air.size() / 2]);
     measure_bias(sky, air, waves);
-    if (scene_.tracing.transfer == TracingScene::Transfer::per_pixel) {
+    if (plan_.per_pixel) {
       shade_per_pixel(air);
       report_.gather_seconds = seconds_since(begin) - (device_->compile_seconds() - compiled_before);
       return;
@@ -192,26 +219,23 @@ class Renderer {
   void shade_per_pixel(const std::vector<SpectralAir> &air) {
     size_image();
     report_.spp = plan_.spp;
-    RayTracer tracer(device_, table_, trace_options());
     f32::SkyView v = view();
     v.rows = 1;
     for (int row = 0; row < image_.height; ++row) {
       v.first_row = row;
       const std::size_t waves = air.size(), width = static_cast<std::size_t>(image_.width);
       SkyShader::Sums sums{std::vector<float>(width * waves), std::vector<float>(width * 2)};
-      for (int sample = 0; sample < plan_.spp; ++sample) add_own_rays(tracer, air, v, sample, sums);
+      for (int sample = 0; sample < plan_.spp; ++sample) add_own_rays(air, v, sample, sums);
       keep(sums, v, plan_.spp);
       progress("picture", static_cast<double>(row + 1) / image_.height);
     }
-    report_.trace = tracer.stats();
-    report_.solver_arcsec = to_arcsec(report_.trace.solver_error_rad);
+    report_.trace = rays_->stats();
     report_.lookup_arcsec = report_.bias = 0;
     finish_image();
   }
 
   /// One sample of one row, each pixel with rays of its own; the same shading text as the kernel, on the host.
-  void add_own_rays(RayTracer &tracer, const std::vector<SpectralAir> &air, const f32::SkyView &v, int sample,
-                    SkyShader::Sums &sums) {
+  void add_own_rays(const std::vector<SpectralAir> &air, const f32::SkyView &v, int sample, SkyShader::Sums &sums) {
     std::vector<double> elevations;
     std::vector<float> azimuths;
     for (int column = 0; column < v.width; ++column) {
@@ -222,7 +246,9 @@ class Renderer {
       azimuths.push_back(d.azimuth_rad);
     }
     elevations.push_back(elevations.back());  // look-up reads one entry further
-    const TransferTable own = trace_elevations(tracer, table_, scene_.observer.height_m, elevations);
+    TransferTable own = trace_elevations(*rays_, elevations);
+    own.rays = for_all_wavelengths(own.rays);
+    own.wavelengths = air.size();
     const int waves = static_cast<int>(air.size());
     const SkyTable sky = make_sky_table(scene_, own, towards_sun_, at_10_degrees_, air, sun_, waves);
     for (int column = 0; column < v.width; ++column) {
@@ -345,7 +371,8 @@ class Renderer {
   std::shared_ptr<Device> device_;
   Profile profile_;
   bool flat_;
-  IndexTable reference_, table_;
+  IndexTable reference_;
+  std::optional<SkyRays> rays_;
   SunPlace sun_;
   TransferTable transfer_;
   TransferProbes probes_;

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "compute/ray_tracer.hpp"
 #include "image/spectral_image.hpp"
+#include "render/sky_rays.hpp"
 #include "scene/scene.hpp"
 
 namespace greenray {
@@ -25,19 +25,29 @@ struct RenderOptions {
   std::function<void(const std::string &phase, double fraction, double noise)> progress;
 };
 
-/// What will be done and why; decided before anything is computed.
+/// One decision of the planner: what was chosen, why, and what the choice costs in accuracy.
+struct PlanChoice {
+  std::string what, chosen, why;
+  double cost = 0;
+  std::string cost_unit;  // "arcsec", "pixel"; empty: no cost
+};
+
+/// What will be done and why; decided before the picture is computed.
 struct RenderPlan {
   std::array<int, 2> size{};  // of the whole picture
   std::array<int, 4> crop{};
-  std::vector<double> wavelengths_nm;
+  std::vector<double> wavelengths_nm;  // of the picture
+  std::vector<double> bent_nm;         // that have rays of their own: all, or one whose rays serve all
   Precision precision = Precision::single_;
-  Integrator integrator = Integrator::dormand_prince;
+  RayMethod method = RayMethod::cells;
+  bool per_pixel = false;  // rays for every sample instead of a transfer table
   double pixel_arcsec = 0;
   double first_elevation_deg = 0, spacing_arcsec = 0;
-  std::size_t entries = 0, rays = 0;
+  std::size_t entries = 0;  // of the evenly spaced table that pixels look up
   std::size_t device_bytes = 0, host_bytes = 0;
   int spp = 16;
   std::optional<double> error_pct, minutes;
+  std::vector<PlanChoice> choices;
   std::vector<std::string> modelled, left_out;  // each with its reason
 };
 
@@ -50,7 +60,7 @@ void require_sun_in_sky(const Scene &scene, const RenderOptions &options);
 struct RenderReport {
   TraceStats trace;
   bool table_in_image = false;
-  std::size_t table_cells = 0;
+  std::size_t table_cells = 0, curve_entries = 0;
   double table_bound_arcsec = 0;                                  // the builder's own, worst grazing ray
   double table_arcsec = 0, solver_arcsec = 0, lookup_arcsec = 0;  // errors
   std::optional<double> sun_optical_depth;                        // on the Sun's own path, at the middle wavelength

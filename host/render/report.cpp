@@ -34,17 +34,25 @@ nlohmann::json device_json(const Device &device) {
 }
 
 nlohmann::json plan_json(const RenderPlan &plan) {
+  Json choices = Json::array();
+  for (const PlanChoice &c : plan.choices)
+    choices.push_back({{"what", c.what},
+                       {"chosen", c.chosen},
+                       {"why", c.why},
+                       {"cost", c.cost_unit.empty() ? Json() : Json(c.cost)},
+                       {"cost_unit", c.cost_unit.empty() ? Json() : Json(c.cost_unit)}});
   return {{"size", plan.size},
           {"crop", plan.crop},
           {"wavelengths_nm", plan.wavelengths_nm},
           {"precision", plan.precision == Precision::double_ ? "double" : "float"},
-          {"method", plan.integrator == Integrator::richardson ? "richardson" : "rk45"},
+          {"method", method_name(plan.method)},
+          {"bent_nm", plan.bent_nm},
           {"pixel_arcsec", plan.pixel_arcsec},
           {"transfer_entries", plan.entries},
           {"transfer_spacing_arcsec", plan.spacing_arcsec},
-          {"rays", plan.rays},
           {"device_bytes", plan.device_bytes},
           {"host_bytes", plan.host_bytes},
+          {"choices", choices},
           {"modelled", plan.modelled},
           {"left_out", plan.left_out}};
 }
@@ -67,6 +75,7 @@ nlohmann::json report_json(const Scene &scene, const RenderPlan &plan, const Ren
           {"bouguer_drift", report.trace.bouguer_drift},
           {"table",
            {{"cells", report.table_cells},
+            {"transfer_entries", report.curve_entries},
             {"bound_arcsec", report.table_bound_arcsec},
             {"storage", report.table_in_image ? "image" : "buffer"}}},
           {"photons", {{"emitted", 0}, {"stored_diffuse", 0}, {"stored_caustic", 0}}},

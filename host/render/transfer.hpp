@@ -3,7 +3,7 @@
 #pragma once
 #include <vector>
 
-#include "compute/ray_tracer.hpp"
+#include "render/sky_rays.hpp"
 
 namespace greenray {
 
@@ -27,16 +27,11 @@ struct TransferTable {
   }
 };
 
-/// Traces every elevation x wavelength of the index table from an eye at height_m.
-TransferTable trace_transfer(RayTracer &tracer, const IndexTable &index, double height_m, double first_elevation_rad,
-                             double spacing_rad, std::size_t entries);
+/// A ray's end as an entry.
+Transfer transfer_of(const f64::RayEnd &end, double elevation_rad, double curvature_per_m);
 
-/// Finds the edges between entries of different outcome by bisection, in double on the host.
-void find_edges(TransferTable &table, const IndexTable &index, double height_m);
-
-/// The same for any elevations, unevenly spaced (first_elevation_rad and spacing_rad are left 0).
-TransferTable trace_elevations(RayTracer &tracer, const IndexTable &index, double height_m,
-                               const std::vector<double> &elevations_rad);
+/// Every wavelength at the elevations given, unevenly spaced (first_elevation_rad and spacing_rad are left 0).
+TransferTable trace_elevations(SkyRays &rays, const std::vector<double> &elevations_rad);
 
 /// The entries half way between those of `table`, at most `probes` of them, evenly chosen; `below` says after which
 /// entry.
@@ -44,14 +39,10 @@ struct TransferProbes {
   std::vector<std::size_t> below;
   std::vector<Transfer> rays;  // [probes][wavelengths]
 };
-TransferProbes probe_between(RayTracer &tracer, const IndexTable &index, double height_m, const TransferTable &table,
-                             std::size_t probes);
+TransferProbes probe_between(SkyRays &rays, const TransferTable &table, std::size_t probes);
 
 /// Largest error [arcsec] of true altitude when joined entries are interpolated half way, over max(1, |d true/d
 /// apparent|): near a fold, the direction that is seen wrongly.
 double lookup_error_arcsec(const TransferTable &table, const TransferProbes &probes);
-
-/// May the two be interpolated? Same outcome and turning points of the same kind.
-bool joined(const Transfer &a, const Transfer &b);
 
 }  // namespace greenray

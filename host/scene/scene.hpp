@@ -57,9 +57,10 @@ struct SpectrumScene {
 };
 
 struct TracingScene {
-  enum class Method { automatic, rk45, richardson } method = Method::automatic;
+  enum class Method { automatic, rk45, richardson, cells } method = Method::automatic;
   enum class Transfer { table, per_pixel } transfer = Transfer::table;
   enum class Precision { automatic, single_, double_ } precision = Precision::automatic;
+  enum class Dispersion { automatic, on, off } dispersion = Dispersion::automatic;  // off: all wavelengths bend as one
   double tolerance = 1e-9;      // local error of direction per step [rad]
   double table_arcsec = 0.003;  // error allowed to the index table
   int max_steps = 20000;

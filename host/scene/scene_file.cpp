@@ -111,11 +111,16 @@ void read_spectrum(const TomlTable &table, SpectrumScene &spectrum) {
 void read_tracing(const TomlTable &table, TracingScene &tracing) {
   using T = TracingScene;
   table.read_word("method", tracing.method,
-                  {{"auto", T::Method::automatic}, {"rk45", T::Method::rk45}, {"richardson", T::Method::richardson}});
+                  {{"auto", T::Method::automatic},
+                   {"cells", T::Method::cells},
+                   {"rk45", T::Method::rk45},
+                   {"richardson", T::Method::richardson}});
   table.read_word("transfer", tracing.transfer, {{"table", T::Transfer::table}, {"per-pixel", T::Transfer::per_pixel}});
   table.read_word(
       "precision", tracing.precision,
       {{"auto", T::Precision::automatic}, {"float", T::Precision::single_}, {"double", T::Precision::double_}});
+  table.read_word("dispersion", tracing.dispersion,
+                  {{"auto", T::Dispersion::automatic}, {"on", T::Dispersion::on}, {"off", T::Dispersion::off}});
   table.read("tolerance", tracing.tolerance, {1e-14, 1e-2, "rad", true, true});
   table.read("table_arcsec", tracing.table_arcsec, {0, 60, "arcsec", true});
   table.read("max_steps", tracing.max_steps, {10, 100000000, "steps"});

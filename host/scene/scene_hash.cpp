@@ -107,6 +107,7 @@ void add(Fingerprint &print, const SpectrumScene &spectrum, const TracingScene &
   print.add_choice("tracing.method", tracing.method);
   print.add_choice("tracing.transfer", tracing.transfer);
   print.add_choice("tracing.precision", tracing.precision);
+  print.add_choice("tracing.dispersion", tracing.dispersion);
   print.add("tracing.tolerance", tracing.tolerance);
   print.add("tracing.table_arcsec", tracing.table_arcsec);
   print.add("tracing.max_steps", tracing.max_steps);

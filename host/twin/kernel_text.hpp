@@ -14,6 +14,8 @@
 
 #include "ray/closed_form_path.h"
 
+#include "ray/closed_form_place.h"
+
 #undef DEVICE
 #undef GLOBAL
 #undef CONSTANT

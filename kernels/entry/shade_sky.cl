@@ -35,7 +35,7 @@ __kernel void shade_sky(__global const float *table, __global const float *limb,
   }
   for (int g = 0; g < SKY_WAVES / LANES; ++g) {
     __global float *out = spectra + pixel * waves + g * LANES;
-    store_waves(out, load_waves(out) + sum[g]);
+    store_lanes(out, load_lanes(out) + sum[g]);
   }
   moments[2 * pixel] += mean;
   moments[2 * pixel + 1] += square;

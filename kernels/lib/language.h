@@ -38,6 +38,20 @@ typedef int lane_int;
 DEVICE real root(real x) { return sqrt(x); }
 DEVICE real magnitude(real x) { return fabs(x); }
 DEVICE real exponential(real x) { return exp(x); }
+DEVICE real whole_part(real x) { return floor(x); }
+#if LANES == 1
+DEVICE real load_lanes(__global const scalar *p) { return *p; }
+DEVICE void store_lanes(__global scalar *p, real v) { *p = v; }
+DEVICE void store_bytes(__global uchar *p, mask m) { *p = (uchar)m; }
+#elif LANES == 4
+DEVICE real load_lanes(__global const scalar *p) { return vload4(0, p); }
+DEVICE void store_lanes(__global scalar *p, real v) { vstore4(v, 0, p); }
+DEVICE void store_bytes(__global uchar *p, mask m) { vstore4(convert_uchar4(m), 0, p); }
+#else
+DEVICE real load_lanes(__global const scalar *p) { return vload8(0, p); }
+DEVICE void store_lanes(__global scalar *p, real v) { vstore8(v, 0, p); }
+DEVICE void store_bytes(__global uchar *p, mask m) { vstore8(convert_uchar8(m), 0, p); }
+#endif
 
 #else /* ------------------------------------------------------------------ host twin; <cmath> is included before */
 #define DEVICE inline
@@ -71,7 +85,20 @@ typedef lane_int mask __attribute__((vector_size(LANES * sizeof(lane_int))));
 DEVICE real root(real x) { EACH_LANE(x, std::sqrt) return x; }
 DEVICE real magnitude(real x) { EACH_LANE(x, std::fabs) return x; }
 DEVICE real exponential(real x) { EACH_LANE(x, std::exp) return x; }
+DEVICE real whole_part(real x) { EACH_LANE(x, std::floor) return x; }
 #undef EACH_LANE
+template <class Number> /* scalar, or a table's float in a twin of double */
+DEVICE real load_lanes(const Number *p) {
+  real v;
+  for (int i = 0; i < LANES; ++i) reinterpret_cast<scalar *>(&v)[i] = p[i];
+  return v;
+}
+DEVICE void store_lanes(scalar *p, real v) {
+  for (int i = 0; i < LANES; ++i) p[i] = reinterpret_cast<scalar *>(&v)[i];
+}
+DEVICE void store_bytes(unsigned char *p, mask m) {
+  for (int i = 0; i < LANES; ++i) p[i] = static_cast<unsigned char>(reinterpret_cast<lane_int *>(&m)[i]);
+}
 #endif
 
 #define R(x) ((scalar)(x))
@@ -81,10 +108,20 @@ DEVICE real exponential(real x) { EACH_LANE(x, std::exp) return x; }
 DEVICE real smaller(real a, real b) { return a < b ? a : b; }
 DEVICE real larger(real a, real b) { return a > b ? a : b; }
 
-/* Branch-free OR of all lanes: the built-in any() is slow on PoCL. */
+/* OR of all lanes, by halves: the built-in any() is slow on PoCL. */
 DEVICE int any_lane(mask m) {
 #if LANES == 1
   return m != 0;
+#elif defined(__OPENCL_C_VERSION__)
+#if LANES == 8
+  const int4 four = m.lo | m.hi;
+  const int2 two = four.lo | four.hi;
+#elif REAL_IS_DOUBLE
+  const long2 two = m.lo | m.hi;
+#else
+  const int2 two = m.lo | m.hi;
+#endif
+  return (two.x | two.y) != 0;
 #else
   lane_int seen = 0;
   for (int i = 0; i < LANES; ++i) seen |= LANE_INT(m, i);

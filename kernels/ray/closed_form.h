@@ -26,22 +26,27 @@ DEVICE LayerFactors layer_factors(real near_sine, real far_sine, real c, real d)
   return f;
 }
 
-/* The part 0..f of a layer that ends where sin^2 e = 0: its factors, made so that they apply to the whole layer's
- * weights. */
-DEVICE LayerFactors turning_factors(real near2, real far2, real c, real d, real *turn) {
-  const real linear = far2 - near2 - c - R(0.5) * d, square = c + R(1.5) * d;
-  const real discriminant = linear * linear - R(4) * near2 * square;
-  real f = R(2) * near2 / larger(root(larger(discriminant, SPREAD(0))) - linear, SPREAD(R(1e-30)));
-  f = smaller(f, SPREAD(1));
-  for (int i = 0; i < 2; ++i) { /* the cubic term, by Newton */
-    const real value = near2 + f * (linear + f * (square - f * d));
-    const real slope = linear + f * (R(2) * square - R(3) * f * d);
-    const real next = f - value / (slope < R(0) ? slope : SPREAD(-1));
-    f = (slope < R(0)) & (next > R(0)) & (next < R(1)) ? next : f;
-  }
-  *turn = f;
-  const real part_d = d * f * f * f;
-  const LayerFactors part = layer_factors(root(near2), SPREAD(0), square * f * f - R(1.5) * part_d, part_d);
+/* sin^2 e along a layer as a polynomial: near2 + t (linear + t (square - t cubic)). */
+typedef struct LayerSine {
+  real near2, linear, square, cubic;
+} LayerSine;
+
+DEVICE LayerSine layer_sine(real near2, real far2, real c, real d) {
+  LayerSine s;
+  s.near2 = near2;
+  s.linear = far2 - near2 - c - R(0.5) * d;
+  s.square = c + R(1.5) * d;
+  s.cubic = d;
+  return s;
+}
+
+DEVICE real sine2_at(const LayerSine *s, real t) { return s->near2 + t * (s->linear + t * (s->square - t * s->cubic)); }
+
+/* Factors of the part 0..f alone, made so that they apply to the whole layer's weights. end2: sin^2 e at f. */
+DEVICE LayerFactors part_factors(const LayerSine *s, real f, real end2) {
+  const real part_d = s->cubic * f * f * f;
+  const LayerFactors part = layer_factors(root(larger(s->near2, SPREAD(0))), root(larger(end2, SPREAD(0))),
+                                          s->square * f * f - R(1.5) * part_d, part_d);
   /* w(f u) in Legendre's polynomials of u, times dt = f du. */
   const real g = f - R(1);
   LayerFactors whole;
@@ -51,10 +56,41 @@ DEVICE LayerFactors turning_factors(real near2, real far2, real c, real d, real 
   return whole;
 }
 
+/* Where a layer that a ray cannot cross is left again: the first root of sin^2 e. */
+DEVICE real turning_place(const LayerSine *s) {
+  const real discriminant = s->linear * s->linear - R(4) * s->near2 * s->square;
+  real f = R(2) * s->near2 / larger(root(larger(discriminant, SPREAD(0))) - s->linear, SPREAD(R(1e-30)));
+  f = smaller(f, SPREAD(1));
+  for (int i = 0; i < 2; ++i) { /* the cubic term, by Newton */
+    const real slope = s->linear + f * (R(2) * s->square - R(3) * f * s->cubic);
+    const real next = f - sine2_at(s, f) / (slope < R(0) ? slope : SPREAD(-1));
+    f = (slope < R(0)) & (next > R(0)) & (next < R(1)) ? next : f;
+  }
+  return f;
+}
+
+/* Factors of a layer for a ray that crosses it, or, where it turns, of its part up to there; reach: 1, or that place.
+ */
+DEVICE LayerFactors reached_factors(GLOBAL const Layer *layer, real near2, real far2, real cosine2, mask turns,
+                                    real *reach) {
+  const real c = cosine2 * layer->bulge, d = cosine2 * layer->skew;
+  LayerFactors f = layer_factors(root(larger(near2, SPREAD(0))), root(larger(far2, SPREAD(0))), c, d);
+  *reach = SPREAD(1);
+  if (any_lane(turns)) {
+    const LayerSine s = layer_sine(near2, far2, c, d);
+    const real turn = turning_place(&s);
+    const LayerFactors t = part_factors(&s, turn, SPREAD(0));
+    f.mean = turns ? t.mean : f.mean;
+    f.tilt = turns ? t.tilt : f.tilt;
+    f.bow = turns ? t.bow : f.bow;
+    *reach = turns ? turn : *reach;
+  }
+  return f;
+}
+
 typedef struct LayerSums {
   real value[LAYER_QUANTITIES];
   real end_m; /* flattened height where it turned, or of the last edge */
-  real sine2; /* sin^2 e there */
   mask turned;
 } LayerSums;
 
@@ -70,6 +106,20 @@ DEVICE void add_layer(LayerSums *s, GLOBAL const Layer *layer, LayerFactors f) {
     s->value[q] += layer->mean[q] * f.mean + layer->tilt[q] * f.tilt + layer->bow[q] * f.bow;
 }
 
+/* The far part of a ray that is steep enough everywhere there: four nodes share one division. */
+DEVICE void add_far(LayerSums *s, GLOBAL const FarNode *nodes, int count, real sine2, real cosine2) {
+  for (int k = 0; k < count; k += 4) {
+    GLOBAL const FarNode *n = nodes + k;
+    const real a = root(sine2 + cosine2 * n[0].lift), b = root(sine2 + cosine2 * n[1].lift);
+    const real c = root(sine2 + cosine2 * n[2].lift), d = root(sine2 + cosine2 * n[3].lift);
+    const real ab = a * b, cd = c * d, inverse = R(1) / (ab * cd);
+    const real over_ab = cd * inverse, over_cd = ab * inverse;
+    for (int q = 0; q < LAYER_QUANTITIES_SUMMED; ++q)
+      s->value[q] +=
+          over_ab * (n[0].weight[q] * b + n[1].weight[q] * a) + over_cd * (n[2].weight[q] * d + n[3].weight[q] * c);
+  }
+}
+
 /* The layers one way from the eye, for rays that may turn in them. */
 DEVICE void sum_turning(LayerSums *s, GLOBAL const Layer *layers, int count, real sine2, real cosine2) {
   mask alive = sine2 >= R(0);
@@ -78,26 +128,16 @@ DEVICE void sum_turning(LayerSums *s, GLOBAL const Layer *layers, int count, rea
     GLOBAL const Layer *layer = layers + k;
     const real far2 = sine2 + cosine2 * layer->lift;
     const mask turns = alive & (far2 <= R(0));
-    const real near_sine = root(larger(near2, SPREAD(0)));
-    LayerFactors f =
-        layer_factors(near_sine, root(larger(far2, SPREAD(0))), cosine2 * layer->bulge, cosine2 * layer->skew);
-    if (any_lane(turns)) {
-      real turn;
-      const LayerFactors t = turning_factors(near2, far2, cosine2 * layer->bulge, cosine2 * layer->skew, &turn);
-      f.mean = turns ? t.mean : f.mean;
-      f.tilt = turns ? t.tilt : f.tilt;
-      f.bow = turns ? t.bow : f.bow;
-      s->end_m = turns ? s->end_m + turn * (layer->far_m - s->end_m) : s->end_m;
-    }
+    real reach;
+    LayerFactors f = reached_factors(layer, near2, far2, cosine2, turns, &reach);
+    s->end_m = alive ? s->end_m + reach * (layer->far_m - s->end_m) : s->end_m;
     f.mean = alive ? f.mean : SPREAD(0);
     f.tilt = alive ? f.tilt : SPREAD(0);
     f.bow = alive ? f.bow : SPREAD(0);
     add_layer(s, layer, f);
     s->turned = s->turned | turns;
     alive = alive & !turns;
-    s->end_m = alive ? SPREAD(layer->far_m) : s->end_m;
     near2 = alive ? far2 : SPREAD(1);
-    s->sine2 = alive ? far2 : SPREAD(0);
   }
 }
 
@@ -106,8 +146,7 @@ DEVICE void sum_straight(LayerSums *s, GLOBAL const Layer *layers, int count, re
   real near_sine = root(sine2);
   for (int k = 0; k < count; ++k) {
     GLOBAL const Layer *layer = layers + k;
-    s->sine2 = sine2 + cosine2 * layer->lift;
-    const real far_sine = root(s->sine2);
+    const real far_sine = root(sine2 + cosine2 * layer->lift);
     add_layer(s, layer, layer_factors(near_sine, far_sine, cosine2 * layer->bulge, cosine2 * layer->skew));
     near_sine = far_sine;
   }

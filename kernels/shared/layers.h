@@ -24,12 +24,25 @@ typedef struct Layer {
   scalar bow[LAYER_QUANTITIES];
 } Layer;
 
+/* All that lies far above the eye, merged (host/atmosphere/far_nodes.cpp): there the medium acts on a ray through its
+   lift alone, and a few lifts with weights stand for the whole of it:  integral of w dz / sin e = sum of weight / sin
+   e(lift). Their number is a multiple of 4. */
+typedef struct FarNode {
+  scalar lift; /* above 0 */
+  scalar weight[LAYER_QUANTITIES];
+} FarNode;
+
 /* What is common to the rays of one wavelength. */
 typedef struct LayerRow {
   scalar eye_m;             /* flattened height */
   scalar index_eye;         /* N there */
   scalar lowest_lift_above; /* rays steeper than these never turn on that side */
   scalar lowest_lift_below;
+  scalar top_m;    /* where space begins; at the eye or above */
   int level_rises; /* 1: a level ray starts upward */
+#if REAL_IS_DOUBLE
   int pad_;
+#endif
 } LayerRow;
+
+enum { LAYER_STATUS_TURNS = 4 }; /* status byte of a ray: outcome + 2^4 turning points */

@@ -1,23 +1,8 @@
 /* Light of one direction: the Sun's darkened disk, seen through the transfer table, over the glow of sky or sea. */
 
 #ifdef __OPENCL_C_VERSION__
-#if LANES == 8
-DEVICE real load_waves(__global const float *p) { return vload8(0, p); }
-DEVICE void store_waves(__global float *p, real v) { vstore8(v, 0, p); }
-#elif LANES == 4
-DEVICE real load_waves(__global const float *p) { return vload4(0, p); }
-DEVICE void store_waves(__global float *p, real v) { vstore4(v, 0, p); }
-#else
-DEVICE real load_waves(__global const float *p) { return *p; }
-DEVICE void store_waves(__global float *p, real v) { *p = v; }
-#endif
 DEVICE float angle_of(float y, float x) { return atan2(y, x); }
 #else
-DEVICE real load_waves(const float *p) {
-  real v;
-  for (int i = 0; i < LANES; ++i) LANE(v, i) = p[i];
-  return v;
-}
 DEVICE float angle_of(float y, float x) { return std::atan2(y, x); }
 #endif
 
@@ -51,7 +36,7 @@ DEVICE real sun_disk(real chord2, float radius_rad, GLOBAL const float *limb, in
   const real mu2 = 1.0f - chord2 * (1.0f / (radius_rad * radius_rad));
   const real mu = root(larger(mu2, SPREAD(0)));
   real sum = SPREAD(0);
-  for (int k = LIMB_TERMS - 1; k >= 0; --k) sum = sum * mu + load_waves(limb + k * waves + wave);
+  for (int k = LIMB_TERMS - 1; k >= 0; --k) sum = sum * mu + load_lanes(limb + k * waves + wave);
   return mu2 >= R(0) ? sum : SPREAD(0);
 }
 
@@ -66,12 +51,12 @@ DEVICE real sky_radiance(const SkyView *v, GLOBAL const float *table, GLOBAL con
                          int entry, float fraction, float azimuth_rad) {
   GLOBAL const float *here = table + (entry * SKY_CHANNEL_COUNT) * waves + wave;
   GLOBAL const float *next = here + SKY_CHANNEL_COUNT * waves;
-  const real joined = load_waves(here + SKY_JOINED * waves);
+  const real joined = load_lanes(here + SKY_JOINED * waves);
   const real beside = SPREAD(fraction) < joined ? SPREAD(0) : SPREAD(1);
   const real f = joined >= R(1) ? SPREAD(fraction) : beside;
   real value[4];
   for (int c = 0; c < 4; ++c) {
-    const real a = load_waves(here + c * waves), b = load_waves(next + c * waves);
+    const real a = load_lanes(here + c * waves), b = load_lanes(next + c * waves);
     value[c] = a + f * (b - a);
   }
   const real chord2 = chord2_from_sun(v, value[SKY_FROM_SUN], azimuth_rad);

@@ -9,34 +9,10 @@
 #include <limits>
 #include <vector>
 
+#include "support_code/markup.hpp"
+
 namespace greenray {
 namespace {
-
-/// Tags open and close in pairs, attributes are quoted, and no bare & or < stands in text. Empty: well formed.
-std::string complaint(const std::string &xml) {
-  std::vector<std::string> open;
-  for (std::size_t i = 0; i < xml.size(); ++i) {
-    if (xml[i] == '&') {
-      const std::size_t end = xml.find(';', i);
-      if (end == std::string::npos || end - i > 6) return "bare & at " + std::to_string(i);
-    }
-    if (xml[i] != '<') continue;
-    const std::size_t end = xml.find('>', i);
-    if (end == std::string::npos) return "tag without end";
-    const std::string tag = xml.substr(i + 1, end - i - 1);
-    i = end;
-    if (tag[0] == '?') continue;
-    if (std::count(tag.begin(), tag.end(), '"') % 2 || tag.find('<') != std::string::npos) return "bad tag " + tag;
-    const std::string name = tag.substr(0, tag.find_first_of(" /", 1));
-    if (tag[0] == '/') {
-      if (open.empty() || "/" + open.back() != tag) return "unexpected " + tag;
-      open.pop_back();
-    } else if (tag.back() != '/') {
-      open.push_back(name);
-    }
-  }
-  return open.empty() ? "" : "never closed: " + open.back();
-}
 
 /// libxml2's opinion, where xmllint is installed.
 void expect_xmllint_agrees(const std::string &svg) {
@@ -52,12 +28,6 @@ void expect_sound(const Plot &plot) {
   EXPECT_EQ(complaint(svg), "");
   expect_xmllint_agrees(svg);
   for (const char *bad : {"nan", "NaN", "inf\"", "-inf", "1e+"}) EXPECT_EQ(svg.find(bad), std::string::npos) << bad;
-}
-
-std::size_t count(const std::string &text, const std::string &part) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
-  return found;
 }
 
 // oracle: XML 1.0, by a checker of a few lines and by libxml2
@@ -100,6 +70,39 @@ TEST(Svg, breaks_lines_and_merges_legend_entries) {
   EXPECT_EQ(count(svg, ">eye<"), 1u);
   EXPECT_EQ(count(svg, "fill-opacity"), 1u);
   EXPECT_EQ(svg, draw_svg(plot));
+}
+
+// oracle: counted by hand: three points of which one is not finite and one lies outside the frame; a legend entry has a
+//   marker, too; a line of width 0 has no path
+// tolerance: none
+TEST(Svg, marks_the_points_inside_the_frame_and_says_what_they_are) {
+  Plot plot;
+  PlotLine line{"rk45 <float>", "#c8502b", {1, 10, std::nan(""), 1e6}, {1, 2, 3, 4}};
+  line.marker = PlotMarker::disc, line.width = 0, line.notes = {"a & b", "second"};
+  plot.panels.push_back({{"x", "", true, 0.5, 100.0}, {"y", ""}, {line}, {}, {}});
+  expect_sound(plot);
+  EXPECT_EQ(count(draw_svg(plot), "<circle "), 3u);
+  EXPECT_EQ(count(draw_svg(plot), "<path "), 0u);
+  EXPECT_EQ(count(draw_svg(plot), "<title>a &amp; b</title>"), 1u);
+  plot.legend = false;
+  EXPECT_EQ(count(draw_svg(plot), "<circle "), 2u);
+  for (const PlotMarker marker : {PlotMarker::square, PlotMarker::diamond, PlotMarker::triangle}) {
+    plot.panels[0].lines[0].marker = marker;
+    expect_sound(plot);
+    EXPECT_EQ(count(draw_svg(plot), "<polygon "), 2u);
+  }
+}
+
+// oracle: in one page the clip paths of two plots must not share a name
+// tolerance: none
+TEST(Svg, plots_of_one_page_are_told_apart) {
+  Plot a, b;
+  a.panels.push_back({{"x", ""}, {"y", ""}, {}, {}, {}});
+  b = a;
+  a.id = "first", b.id = "second";
+  EXPECT_EQ(count(draw_svg(a), "id=\"firstpanel0\""), 1u);
+  EXPECT_EQ(count(draw_svg(a), "url(#firstpanel0)"), 1u);
+  EXPECT_EQ(count(draw_svg(b), "firstpanel0"), 0u);
 }
 
 // oracle: ticks are 1, 2 or 5 times a power of ten, as on any printed graph

@@ -19,8 +19,8 @@ from scipy.integrate._ivp import dop853_coefficients as dop
 
 from air import TOP_M, K_HYDROSTATIC, R0_GEOPOTENTIAL, humidity, medium, refractivity_at, temperature
 
-SPACE, GROUND, TRAPPED, FLIGHT = 0, 1, 2, 3
-STATUS = ["space", "ground", "trapped", "in-flight"]
+SPACE, GROUND, TRAPPED, FLIGHT, LOST = 0, 1, 2, 3, 4        # LOST: the oracle's own step count ran out
+STATUS = ["space", "ground", "trapped", "in-flight", "lost"]
 ARCSEC = math.degrees(1.0) * 3600.0
 A = np.ascontiguousarray(dop.A[:12, :12])
 B = np.ascontiguousarray(dop.B)
@@ -138,7 +138,11 @@ def ode_core(h0, b0, ln_p, stops, top, edges, cells, inv, lay, model, dry, wet, 
     upper = lower = nstop = 0
     s = 1.0
     status = -1
+    tries = 0
     while status < 0:
+        tries += 1
+        if tries > 300000 or not math.isfinite(y[0]):
+            return LOST, y, upper + lower, hmin, hmax, nstop
         if (h0 <= 0.0 and y[0] <= 0.0 and sign < 0):
             status = GROUND
             break

@@ -1,0 +1,59 @@
+// The rays of one eye through one layered medium to their ends, by the method asked for.
+#pragma once
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "atmosphere/layer_table.hpp"
+#include "compute/ray_tracer.hpp"
+
+namespace greenray {
+
+/// cells: layers in closed form.
+enum class RayMethod { cells, dormand_prince, richardson };
+const char *method_name(RayMethod method);  // "cells", "rk", "richardson"
+
+struct SkyRayOptions {
+  double height_m = 0;
+  bool flat = false;
+  RayMethod method = RayMethod::cells;
+  Precision precision = Precision::single_;
+  double error_arcsec = 0.003;  // allowed to the index table; of cells: to the layers, whose table is 30 times finer
+  double step_rad = 1e-9;       // stepping methods: local error of direction per step
+  int max_steps = 20000;
+  LayerAbsorbers absorbers;
+};
+
+class SkyRays {
+ public:
+  SkyRays(const Profile &profile, const std::vector<double> &wavelengths_nm, const SkyRayOptions &options,
+          std::shared_ptr<Device> device);
+  ~SkyRays();
+
+  /// [elevations][wavelengths]. Elevations [rad] above the eye's horizontal.
+  std::vector<f64::RayEnd> trace(std::span<const double> elevations_rad);
+
+  /// The medium in layers for this eye, none merged; made when first asked for.
+  const LayerTable &layers();
+
+  const IndexTable &table() const;  // the one the method reads
+  std::size_t cells() const;        // of that table, or layers, per wavelength
+  const TraceStats &stats() const;
+  bool table_in_image() const;
+  const SkyRayOptions &options() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Elevations [rad], ascending, at which what a ray does jumps: where it just clears or just misses an extreme of N or
+/// the ground. Exact: a ray turns at a height of lift L where tan^2 e = -L. Between two of them every quantity of the
+/// ray is a smooth function of its elevation.
+std::vector<double> breaks_rad(const LayerTable &layers, std::size_t wavelength);
+
+/// Elevations [rad] whose rays turn at an edge of a layer: where the curve of refraction may bend sharply.
+std::vector<double> turning_knots_rad(const LayerTable &layers, std::size_t wavelength);
+
+}  // namespace greenray
