@@ -114,8 +114,7 @@ std::string summary_of(const Results &results) {
   for (const Record &r : results.records)
     if (r.suite == "images" && r.kind.solver == "transfer table" && r.number("samples_per_pixel") == 1)
       text << " | " << r.case_name << " " << r.wall_seconds << " s";
-    else if (r.suite == "scenes") text << " | " << r.case_name << " " << r.wall_seconds << " s";
-  if (r.suite == "scenes" || r.suite == "eye") text << " | " << r.case_name << " " << r.wall_seconds << " s";
+    else if (r.suite == "scenes" || r.suite == "eye") text << " | " << r.case_name << " " << r.wall_seconds << " s";
   text << " | +-" << std::setprecision(2) << 100 * spread << " %";
   if (results.contended) text << " | contended: do not publish";
   return text.str();
@@ -242,12 +241,7 @@ std::vector<Flag> flags() {
 
 Command bench_command() {
   return {{"bench", "[SUITE] [NEW.json]",
-           "Speed against error, beside peers in the same run: trace | images | photons | gather | geometry | scenes | "
-           "all.",
-           flags()},
-          run};
-  return {{"bench", "[SUITE] [NEW.json]",
-           "Speed against error, beside peers in the same run: trace | scenes | eye | all.", flags()},
+           std::string("Speed against error, beside peers in the same run: ") + suite_words + ".", flags()},
           run};
 }
 
