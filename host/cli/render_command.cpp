@@ -222,6 +222,7 @@ int run(const Arguments &a) {
 }
 
 int check(const Arguments &a) {
+  if (const std::optional<int> done = check_room_scene(a)) return *done;
   const RenderOptions options = options_from(a);
   const Scene scene = load_scene(a.positional()[0], a.all("--set"), a.positional_place(0));
   const RenderPlan plan = plan_render(scene, options);

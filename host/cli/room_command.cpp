@@ -128,4 +128,25 @@ std::optional<int> render_room_scene(const Arguments &a) {
   return 0;
 }
 
+std::optional<int> check_room_scene(const Arguments &a) {
+  const auto text = room_text(a.positional()[0], a.positional_place(0));
+  if (!text) return std::nullopt;
+  const RoomScene scene = parse_room(text->first, text->second, a.all("--set"));
+  const RoomOptions options = options_from(a, scene);
+  const nlohmann::json plan = room_plan_json(scene, options);
+  if (a.has("--json")) {
+    std::cout << nlohmann::json{{"scene", scene.name}, {"scene_hash", room_hash(scene)}, {"plan", plan}}.dump(1)
+              << "\n";
+    return 0;
+  }
+  std::cout << "scene    " << scene.name << "  \"" << scene.title << "\"  (" << room_hash(scene) << ")\n"
+            << "picture  " << options.size[0] << "x" << options.size[1] << ", " << options.spp << " spp, "
+            << scene.spectrum.samples << " wavelengths\n"
+            << "photons  " << scene.photons.emitted << " in " << options.passes << " passes, " << scene.photons.gather
+            << " an estimate; " << scene.surfaces.triangles.size() << " triangles\n";
+  for (const auto &[key, words] : {std::pair{"modelled", "modelled "}, {"left_out", "left out "}})
+    for (const std::string what : plan.at(key)) std::cout << words << what << "\n";
+  return 0;
+}
+
 }  // namespace greenray::cli

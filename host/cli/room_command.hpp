@@ -1,4 +1,4 @@
-// greenray render for scenes with a [camera].
+// greenray render and check for scenes with a [camera].
 #pragma once
 #include <optional>
 
@@ -8,5 +8,8 @@ namespace greenray::cli {
 
 /// Renders the scene if it has surfaces; nothing if it is a sky scene, or is not there. returns: exit code
 std::optional<int> render_room_scene(const Arguments &a);
+
+/// Says what a render of it would do. Nothing if it is a sky scene, or is not there.
+std::optional<int> check_room_scene(const Arguments &a);
 
 }  // namespace greenray::cli

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.hpp"
+#include "scene/room_scene.hpp"
 #include "scene/scene_file.hpp"
 #include "support/atomic_file.hpp"
 #include "support/embedded.hpp"
@@ -11,15 +12,21 @@
 namespace greenray::cli {
 namespace {
 
+std::string title_of(const std::string &name) {
+  const std::string file = "scenes/" + name + ".toml";
+  const std::string text(embedded_file(file).value());
+  return is_room_text(file, text) ? parse_room(file, text, {}).title : load_scene(name).title;
+}
+
 int list(const Arguments &a) {
   nlohmann::json out = nlohmann::json::array();
   std::string text;
   for (const std::string &name : shipped_scenes()) {
-    const Scene scene = load_scene(name);
+    const std::string title = title_of(name);
     std::string left = name;
     left.resize(std::max<std::size_t>(left.size() + 2, 20), ' ');
-    text += left + scene.title + "\n";
-    out.push_back({{"name", name}, {"title", scene.title}});
+    text += left + title + "\n";
+    out.push_back({{"name", name}, {"title", title}});
   }
   emit(a, a.has("--json") ? out.dump(1) + "\n" : text);
   return 0;

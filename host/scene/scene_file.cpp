@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 /// Rooms, meshes and photons are another kind of scene: said once, instead of a complaint about each of their keys.
 void refuse_geometry(const TomlTable &root) {
   const std::string message =
-      "scenes with geometry are not built yet in this version; a sky scene has [atmosphere], "
+      "belongs to scenes with a [camera]; a sky scene has [atmosphere], "
       "[observer] and [sun]";
   for (const char *key : {"camera", "mesh", "light", "photons"})
     if (root.has(key)) throw InputError(root.place(key), "'" + std::string(key) + "': " + message);
