@@ -41,7 +41,7 @@ class HardCases {
     for (const ReferenceRow &row : table.rows())
       groups[{row.text("profile"), row.number("height_m"), stretch_class(row)}].push_back(&row);
     std::size_t i = 0;
-    std::pair<std::string, double> last;
+    std::pair<std::string, double> last = {std::get<0>(groups.begin()->first), std::get<1>(groups.begin()->first)};
     for (const auto &[key, rows] : groups) {
       const std::pair<std::string, double> eye{std::get<0>(key), std::get<1>(key)};
       i += eye != last;
