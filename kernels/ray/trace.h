@@ -111,7 +111,7 @@ DEVICE void start_march(March *w, INDEX_TABLE table, GLOBAL const RayStart *rays
 
 /* From within the landing tolerance exactly onto the edge ahead, by the ray's parabola; returns the lanes that are
    there. A ray that turns before the edge, however close, does not reach it: it stays in its cell. */
-DEVICE mask move_onto_edge(March *w, mask close) {
+DEVICE mask move_onto_edge(March *w, mask close, const TraceSettings *settings) {
   const CellLanes *c = &w->medium.cell;
   const RaySlope slope = derivative(&w->medium, w->y.above_m, w->y.rise);
   const real edge = w->heading ? c->thickness_m : SPREAD(0);
@@ -121,10 +121,14 @@ DEVICE mask move_onto_edge(March *w, mask close) {
   const real denominator = w->y.rise + (w->heading ? speed : -speed);
   const real way = R(2) * distance / (denominator != R(0) ? denominator : SPREAD(1));
   const mask beyond = beyond_edge_m(c, w->heading, w->y.above_m) >= R(0);
-  const mask moves = close & (speed2 > R(0)) & (denominator != R(0)) & (magnitude(way) < R(0.02) * c->step_cap_m);
+  /* Beyond the last edge by a step over its turning point, which the parabola may miss by a hair: back to the turn. */
+  const mask ends = beyond & (w->heading ? w->cell == settings->cells_per_row - 1 : w->cell == 0);
+  const mask moves =
+      close & ((speed2 > R(0)) | ends) & (denominator != R(0)) & (magnitude(way) < R(0.02) * c->step_cap_m);
   const real h = moves ? way : SPREAD(0);
   advance(&w->y, h, &slope);
   w->y.above_m = moves ? edge : w->y.above_m;
+  w->y.rise = (moves & !(speed2 > R(0))) ? SPREAD(0) : w->y.rise; /* level there: not to turn once more */
   w->sigma_m += h;
   return close & (moves | beyond);
 }
@@ -134,7 +138,7 @@ DEVICE void cross_edges(March *w, INDEX_TABLE table, const TraceSettings *settin
   const CellLanes *c = &w->medium.cell;
   const mask close = running & (beyond_edge_m(c, w->heading, w->y.above_m) >= -LANDING * c->thickness_m);
   if (!any_lane(close)) return;
-  const mask at_edge = move_onto_edge(w, close);
+  const mask at_edge = move_onto_edge(w, close, settings);
   const mask up = at_edge & w->heading, down = at_edge & !w->heading;
   const mask space = up & (w->cell == settings->cells_per_row - 1), ground = down & (w->cell == 0);
   w->outcome = space ? SPREAD_INT(RAY_SPACE) : ground ? SPREAD_INT(RAY_GROUND) : w->outcome;

@@ -21,8 +21,8 @@ using testing_data::ReferenceTable;
 using Group = std::tuple<std::string, double, bool>;  // air, eye, flat
 using Place = std::pair<double, double>;              // altitude, distance
 
-std::map<Place, TraceRow> follow(const Group &group, const std::vector<const ReferenceRow *> &rows,
-                                 Precision precision) {
+std::map<Place, TraceRow> follow(const Group &group, const std::vector<const ReferenceRow *> &rows, Precision precision,
+                                 RayMethod method) {
   std::set<double> altitudes, distances;
   for (const ReferenceRow *row : rows) {
     altitudes.insert(row->number("apparent_altitude_deg"));
@@ -35,6 +35,7 @@ std::map<Place, TraceRow> follow(const Group &group, const std::vector<const Ref
   request.distances_m.assign(distances.begin(), distances.end());
   request.wavelengths_nm = {550};
   request.precision = precision;
+  request.method = method;
   request.tolerance_arcsec = precision == Precision::double_ ? 1e-6 : 0.005;
   std::map<Place, TraceRow> found;
   for (const TraceRow &row : trace_table(hard_profile(std::get<0>(group)), request, shared_device()))
@@ -48,11 +49,12 @@ struct WorstPlace {
   std::string where;
 };
 
-void compare(const ReferenceRow &row, const TraceRow &got, bool fine, WorstPlace &worst) {
+void compare(const ReferenceRow &row, const TraceRow &got, RayMethod method, bool fine, WorstPlace &worst) {
   std::ostringstream text;
   text << "greenray trace " << row.text("profile") << ".toml --height " << row.text("height_m") << " --altitudes "
        << row.text("apparent_altitude_deg") << " --wavelengths 550 --distances " << row.text("distance_m")
-       << " --surface " << row.text("surface") << " --precision " << (fine ? "double" : "float");
+       << " --surface " << row.text("surface") << " --precision " << (fine ? "double" : "float") << " --method "
+       << method_name(method);
   ASSERT_EQ(outcome_name(got.outcome), row.text("status")) << text.str();
   ASSERT_TRUE(std::isfinite(got.height_m) && std::isfinite(got.elevation_deg) && std::isfinite(got.bending_arcsec) &&
               std::isfinite(got.optical_path_m))
@@ -89,19 +91,22 @@ TYPED_TEST(HardTrace, HeightsUpToAThousandKilometres) {
   for (const ReferenceRow &row : table.rows())
     groups[{row.text("profile"), row.number("height_m"), row.text("surface") == "flat"}].push_back(&row);
   ASSERT_GE(table.rows().size(), 400u);
-  WorstPlace worst;
-  for (const auto &[group, rows] : groups) {
-    const std::map<Place, TraceRow> found = follow(group, rows, TypeParam::precision);
-    for (const ReferenceRow *row : rows)
-      compare(*row, found.at({row->number("apparent_altitude_deg"), row->number("distance_m")}), TypeParam::is_double,
-              worst);
+  for (RayMethod method : {RayMethod::cells, RayMethod::dormand_prince}) {
+    SCOPED_TRACE(method_name(method));
+    WorstPlace worst;
+    for (const auto &[group, rows] : groups) {
+      const std::map<Place, TraceRow> found = follow(group, rows, TypeParam::precision, method);
+      for (const ReferenceRow *row : rows)
+        compare(*row, found.at({row->number("apparent_altitude_deg"), row->number("distance_m")}), method,
+                TypeParam::is_double, worst);
+    }
+    std::cout << method_name(method) << ": worst height " << worst.height_m << " m, direction " << worst.arcsec
+              << "\", path " << worst.path << ", end " << worst.end_height_m << " m: " << worst.where << "\n";
+    EXPECT_LT(worst.height_m, TypeParam::is_double ? 1e-4 : 0.01) << worst.where;
+    EXPECT_LT(worst.arcsec, TypeParam::is_double ? 5e-4 : 0.05);
+    EXPECT_LT(worst.path, TypeParam::is_double ? 1e-8 : 5e-6);
+    EXPECT_LT(worst.end_height_m, TypeParam::is_double ? 1e-4 : 0.02);
   }
-  std::cout << "worst height " << worst.height_m << " m, direction " << worst.arcsec << "\", path " << worst.path
-            << ", end " << worst.end_height_m << " m: " << worst.where << "\n";
-  EXPECT_LT(worst.height_m, TypeParam::is_double ? 1e-4 : 0.01) << worst.where;
-  EXPECT_LT(worst.arcsec, TypeParam::is_double ? 5e-4 : 0.05);
-  EXPECT_LT(worst.path, TypeParam::is_double ? 1e-8 : 5e-6);
-  EXPECT_LT(worst.end_height_m, TypeParam::is_double ? 1e-4 : 0.02);
 }
 
 }  // namespace
