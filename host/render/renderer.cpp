@@ -9,6 +9,7 @@
 #include "render/sun_place.hpp"
 #include "render/transfer_curve.hpp"
 #include "support/angle.hpp"
+#include "support/parallel.hpp"
 
 namespace greenray {
 namespace {
@@ -310,12 +311,17 @@ class Renderer {
     const std::size_t padded = sums.spectra.size() / pixels;
     const std::size_t first = static_cast<std::size_t>(v.first_row - plan_.crop[1]) * static_cast<std::size_t>(v.width);
     const float scale = 1.0f / static_cast<float>(samples);
-    for (std::size_t i = 0; i < pixels; ++i) {
-      for (std::size_t w = 0; w < waves; ++w)
-        image_.radiance[(first + i) * waves + w] = sums.spectra[i * padded + w] * scale;
-      const double variance = variance_of_mean(sums, i, samples), bands = static_cast<double>(waves);
-      image_.channels["variance"][first + i] = static_cast<float>(variance / (bands * bands));
-      variance_sum_ += variance;
+    std::vector<float> &variances = image_.channels["variance"];
+    const double bands = static_cast<double>(waves);
+    for_pieces(pixels, 4096, host_threads(), [&](std::size_t from, std::size_t to) {
+      for (std::size_t i = from; i < to; ++i) {
+        for (std::size_t w = 0; w < waves; ++w)
+          image_.radiance[(first + i) * waves + w] = sums.spectra[i * padded + w] * scale;
+        variances[first + i] = static_cast<float>(variance_of_mean(sums, i, samples) / (bands * bands));
+      }
+    });
+    for (std::size_t i = 0; i < pixels; ++i) {  // in one order, for the same bits
+      variance_sum_ += variance_of_mean(sums, i, samples);
       band_sum_ += sums.moments[2 * i] * scale;
     }
   }
@@ -350,19 +356,20 @@ class Renderer {
     lowest.resize(image_.pixels());
     const f32::SkyView v = view();
     const std::size_t wave = plan_.wavelengths_nm.size() / 2;
-    for (int y = 0; y < image_.height; ++y)
-      for (int x = 0; x < image_.width; ++x) {
-        const f32::SkyDirection d = f32::view_direction(&v, static_cast<float>(x + plan_.crop[0]) + 0.5f,
-                                                        static_cast<float>(y + plan_.crop[1]) + 0.5f);
-        const double at =
-            (static_cast<double>(d.elevation_rad) - transfer_.first_elevation_rad) / transfer_.spacing_rad;
-        const auto entry = static_cast<std::size_t>(std::clamp(std::round(at), 0.0, double(transfer_.entries - 1)));
-        const Transfer &t = transfer_.at(entry, wave);
-        const std::size_t i = static_cast<std::size_t>(y * image_.width + x);
-        bending[i] = static_cast<float>(to_arcsec(t.bending_rad));
-        distance[i] = static_cast<float>(t.distance_m);
-        lowest[i] = static_cast<float>(t.min_height_m);
-      }
+    const auto describe = [&](std::size_t i) {
+      const int x = static_cast<int>(i) % image_.width, y = static_cast<int>(i) / image_.width;
+      const f32::SkyDirection d = f32::view_direction(&v, static_cast<float>(x + plan_.crop[0]) + 0.5f,
+                                                      static_cast<float>(y + plan_.crop[1]) + 0.5f);
+      const double at = (static_cast<double>(d.elevation_rad) - transfer_.first_elevation_rad) / transfer_.spacing_rad;
+      const auto entry = static_cast<std::size_t>(std::clamp(std::round(at), 0.0, double(transfer_.entries - 1)));
+      const Transfer &t = transfer_.at(entry, wave);
+      bending[i] = static_cast<float>(to_arcsec(t.bending_rad));
+      distance[i] = static_cast<float>(t.distance_m);
+      lowest[i] = static_cast<float>(t.min_height_m);
+    };
+    for_pieces(image_.pixels(), 4096, host_threads(), [&](std::size_t from, std::size_t to) {
+      for (std::size_t i = from; i < to; ++i) describe(i);
+    });
   }
 
   const Scene &scene_;
