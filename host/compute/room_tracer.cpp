@@ -196,4 +196,29 @@ EyeBand RoomTracer::see(const room_twin::EyeCamera &camera) {
   return band;
 }
 
+std::vector<float> RoomTracer::see_lamps(const room_twin::EyeCamera &camera, const std::vector<int> &pixels) {
+  std::vector<float> lamps(pixels.size() * state_->waves);
+  if (pixels.empty()) return lamps;
+  Buffer<int> list(state_->device, pixels.size(), "pixels at the edges of lamps");
+  Buffer<float> seen(state_->device, lamps.size(), "light of lamps");
+  list.write(pixels.data(), pixels.size());
+  try {
+    cl_uint next = 0;
+    cl::Kernel &k = state_->kernel("see_lamps", next);
+    k.setArg(next++, list.cl());
+    k.setArg(next++, seen.cl());
+    k.setArg(next, camera);
+    if (!state_->warm.count("see_lamps")) {
+      k.setArg(next + 1, cl_int{0});
+      state_->warm_up("see_lamps", k);
+    }
+    k.setArg(next + 1, static_cast<cl_int>(pixels.size()));
+    state_->eye_seconds += state_->scene.state().launch(k, "see_lamps", pixels.size());
+  } catch (const cl::Error &error) {
+    throw_failed_call(error, "kernel see_lamps", state_->device.info.name);
+  }
+  seen.read(lamps.data(), lamps.size());
+  return lamps;
+}
+
 }  // namespace greenray

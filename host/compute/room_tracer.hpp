@@ -71,6 +71,8 @@ class RoomTracer {
              std::array<int, 2> &most);
   /// camera.width * rows * samples paths
   EyeBand see(const room_twin::EyeCamera &camera);
+  /// The light of lamps alone, [pixels][waves], mean of camera.samples paths through each of these pixels of the band.
+  std::vector<float> see_lamps(const room_twin::EyeCamera &camera, const std::vector<int> &pixels);
   double eye_seconds() const;
 
  private:

@@ -167,6 +167,7 @@ RoomScene parse_room(const std::string &file, std::string_view text, const std::
   read_photons(root.table("photons"), scene.photons);
   read_rest(root, scene);
   document.finish();
+  scene.values = document.values();
   return scene;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -71,7 +72,8 @@ struct PhotonScene {
 struct RoomScene {
   std::string name, title, file, text;
   std::vector<std::string> overrides;
-  std::optional<ProfileSpec> air;  // nothing: the same n = 1 everywhere
+  std::map<std::string, std::string> values;  // of the file, overrides included, by dotted key: to tell what changed
+  std::optional<ProfileSpec> air;             // nothing: the same n = 1 everywhere
   double extinction_per_m = 0;
   CameraScene camera;
   std::vector<MaterialScene> materials;

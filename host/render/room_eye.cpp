@@ -1,0 +1,164 @@
+#include "render/room_eye.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace greenray {
+namespace {
+
+constexpr std::size_t band_samples = std::size_t{1} << 18;
+
+room_twin::EyeCamera camera_of(const CameraScene &from, const std::array<int, 2> &size) {
+  room_twin::EyeCamera c{};
+  const Triple ahead = unit(from.to - from.from), right = unit(cross(ahead, from.up)), up = cross(right, ahead);
+  for (std::size_t a = 0; a < 3; ++a) {
+    c.place[a] = static_cast<float>(from.from[a]);
+    c.ahead[a] = static_cast<float>(ahead[a]);
+    c.right[a] = static_cast<float>(right[a]);
+    c.up[a] = static_cast<float>(up[a]);
+  }
+  c.pixel_tangent = static_cast<float>(2 * std::tan(from.fov_deg * M_PI / 360) / size[0]);
+  c.centre_column = 0.5f * static_cast<float>(size[0]);
+  c.centre_row = 0.5f * static_cast<float>(size[1]);
+  c.width = size[0], c.rows = size[1];
+  c.most_bounces = 32;
+  return c;
+}
+
+GatherPoint point_of(const room_twin::EyeSample &sample) {
+  if (!sample.asks) return no_place();
+  GatherPoint point{};
+  std::copy(std::begin(sample.point.place_m), std::end(sample.point.place_m), point.place_m);
+  point.normal = sample.point.normal;
+  return point;
+}
+
+/// Do two pixels see different light of lamps? Beyond a hundredth.
+bool differ(const float *a, const float *b, std::size_t waves) {
+  for (std::size_t w = 0; w < waves; ++w)
+    if (std::abs(a[w] - b[w]) > 0.01f * std::max(a[w], b[w])) return true;
+  return false;
+}
+
+}  // namespace
+
+RoomEye::RoomEye(const CameraScene &camera, const RoomPlan &plan, std::uint32_t seed, bool alone, std::size_t waves)
+    : from_(camera), plan_(plan), seed_(seed), alone_(alone), waves_(waves) {
+  const std::size_t row = static_cast<std::size_t>(plan.width()) * static_cast<std::size_t>(plan.samples);
+  band_rows_ = std::clamp(static_cast<int>(band_samples / row), 1, plan.height());
+}
+
+std::size_t RoomEye::device_bytes() const {
+  const std::size_t samples = static_cast<std::size_t>(plan_.width()) * static_cast<std::size_t>(plan_.samples) *
+                              static_cast<std::size_t>(band_rows_);
+  return samples * (sizeof(room_twin::EyeSample) + 2 * sizeof(float) * waves_) +
+         PhotonMapper::device_bytes(0, samples, static_cast<int>(waves_));
+}
+
+std::vector<GatherPoint> RoomEye::survey(RoomTracer &tracer) const {
+  constexpr int coarse = 40;  // pixels of the longer side
+  const int longer = std::max(plan_.size[0], plan_.size[1]);
+  const auto part = [&](int side) { return std::max(1, side * coarse / longer); };
+  room_twin::EyeCamera camera = camera_of(from_, {part(plan_.size[0]), part(plan_.size[1])});
+  camera.seed = seed_, camera.samples = 1, camera.alone = alone_ ? 1 : 0;
+  std::vector<GatherPoint> points;
+  for (const room_twin::EyeSample &sample : tracer.see(camera).samples)
+    if (sample.asks) points.push_back(point_of(sample));
+  return points;
+}
+
+room_twin::EyeCamera RoomEye::camera_for(int pass) const {
+  room_twin::EyeCamera camera = camera_of(from_, plan_.size);
+  camera.seed = seed_, camera.alone = alone_ ? 1 : 0;
+  camera.first_column = plan_.region[0], camera.width = plan_.width();
+  camera.first_sample = pass * plan_.samples, camera.samples = plan_.samples;
+  return camera;
+}
+
+RoomPass RoomEye::see(int pass, RoomTracer &tracer, PhotonMapper &mapper) {
+  RoomPass out;
+  out.radiance.assign(plan_.pixels() * waves_, 0.0f);
+  for (std::vector<float> *values : {&out.narrower, &out.variance, &out.depth_m, &out.bend_mrad, &out.photon_count})
+    values->assign(plan_.pixels(), 0.0f);
+  lamps_.assign(plan_.pixels() * waves_, 0.0f);
+  for (int row = 0; row < plan_.height(); row += band_rows_) {
+    stop_if_asked();
+    see_band(row, std::min(band_rows_, plan_.height() - row), pass, tracer, mapper, out);
+  }
+  if (pass == 0) find_lamp_edges();
+  resample_lamps(pass, tracer, out);
+  return out;
+}
+
+void RoomEye::see_band(int first_row, int rows, int pass, RoomTracer &tracer, PhotonMapper &mapper, RoomPass &out) {
+  room_twin::EyeCamera camera = camera_for(pass);
+  camera.first_row = plan_.region[1] + first_row, camera.rows = rows;
+  const EyeBand band = tracer.see(camera);
+  // Every sample keeps its place among the points, so that it keeps its radius.
+  std::vector<GatherPoint> points(band.samples.size());
+  std::transform(band.samples.begin(), band.samples.end(), points.begin(), point_of);
+  const std::size_t samples = static_cast<std::size_t>(plan_.samples);
+  const std::size_t first_pixel = static_cast<std::size_t>(first_row) * static_cast<std::size_t>(plan_.width());
+  const PassIrradiance light = mapper.ask(first_pixel * samples, points);
+  gather_seconds_ += light.gather_seconds;
+  for (std::size_t i = 0; i < points.size(); ++i) add_sample(band, light, i, first_pixel + i / samples, out);
+  // Kernels of one pixel share their photons: standard errors add up, not variances.
+  const std::size_t pixels = points.size() / samples;
+  for (std::size_t p = first_pixel; p < first_pixel + pixels; ++p) out.variance[p] *= out.variance[p];
+}
+
+void RoomEye::add_sample(const EyeBand &band, const PassIrradiance &light, std::size_t i, std::size_t pixel,
+                         RoomPass &out) {
+  const float share = 1 / static_cast<float>(plan_.samples);
+  float irradiance = 0, shown = 0, seen = 0;
+  for (std::size_t w = 0; w < waves_; ++w) {
+    const float e = band.samples[i].asks ? light.irradiance[i * waves_ + w] : 0;
+    const float from_map = band.weight[i * waves_ + w] * e, from_lamps = band.radiance[i * waves_ + w];
+    out.radiance[pixel * waves_ + w] += share * (from_map + from_lamps);
+    lamps_[pixel * waves_ + w] += share * from_lamps;
+    irradiance += e, shown += from_map, seen += from_lamps;
+  }
+  out.narrower[pixel] += share * seen;
+  if (irradiance > 0) {
+    const float per_irradiance = shown / irradiance;
+    out.narrower[pixel] += share * light.narrower[i] * per_irradiance;
+    out.variance[pixel] += share * std::sqrt(light.variance[i]) * per_irradiance;
+    out.photon_count[pixel] += share * static_cast<float>(light.photons[i]);
+  }
+  out.depth_m[pixel] += share * band.samples[i].depth_m, out.bend_mrad[pixel] += share * band.samples[i].bend_mrad;
+}
+
+void RoomEye::find_lamp_edges() {
+  lamp_pixels_.clear();
+  const int width = plan_.width(), height = plan_.height();
+  const auto lamps = [&](int x, int y) { return &lamps_[static_cast<std::size_t>(y * width + x) * waves_]; };
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      bool edge = false;
+      for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, height - 1) && !edge; ++ny)
+        for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, width - 1) && !edge; ++nx)
+          edge = differ(lamps(x, y), lamps(nx, ny), waves_);
+      if (edge) lamp_pixels_.push_back(y * width + x);
+    }
+}
+
+/// In place of the lamps that the pass's few samples saw: the mean of many more.
+void RoomEye::resample_lamps(int pass, RoomTracer &tracer, RoomPass &out) {
+  if (lamp_pixels_.empty()) return;
+  room_twin::EyeCamera camera = camera_for(pass);
+  // Each pass has shifts of its own, so that the spread of the passes tells their error.
+  camera.seed = seed_ ^ (0x9e3779b9u * static_cast<std::uint32_t>(pass + 1));
+  camera.first_row = plan_.region[1], camera.rows = plan_.height();
+  camera.first_sample = 0, camera.samples = lamp_samples;
+  const std::vector<float> seen = tracer.see_lamps(camera, lamp_pixels_);
+  for (std::size_t i = 0; i < lamp_pixels_.size(); ++i) {
+    const auto pixel = static_cast<std::size_t>(lamp_pixels_[i]);
+    for (std::size_t w = 0; w < waves_; ++w) {
+      const float more = seen[i * waves_ + w] - lamps_[pixel * waves_ + w];
+      out.radiance[pixel * waves_ + w] = std::max(0.0f, out.radiance[pixel * waves_ + w] + more);
+      out.narrower[pixel] += more;
+    }
+  }
+}
+
+}  // namespace greenray

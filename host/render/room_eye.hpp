@@ -1,0 +1,56 @@
+// What the eye sees of a room in one pass: paths, lamps, and the light gathered where paths end. Bands of pixels, so
+// that memory is bounded whatever the picture is.
+#pragma once
+#include <vector>
+
+#include "render/photon_mapper.hpp"
+#include "render/pixel_statistics.hpp"
+#include "render/room_plan.hpp"
+
+namespace greenray {
+
+/// Values of the picture's region in one pass, averages over the pass's samples.
+struct RoomPass {
+  std::vector<float> radiance;                          // [pixels][waves]
+  std::vector<float> narrower, variance;                // [pixels], as in PassPixels
+  std::vector<float> depth_m, bend_mrad, photon_count;  // [pixels]
+};
+
+class RoomEye {
+ public:
+  RoomEye(const CameraScene &camera, const RoomPlan &plan, std::uint32_t seed, bool alone, std::size_t waves);
+
+  /// Bytes on the device for one band.
+  std::size_t device_bytes() const;
+  /// Where a few hundred paths spread over the whole picture end, whatever the crop and the resolution.
+  std::vector<GatherPoint> survey(RoomTracer &tracer) const;
+  /// The pass that the mapper has filed. Pass 0 finds the edges of lamps: pixels that see another light of lamps than
+  /// a neighbour; they get lamp_samples more paths in every pass, for their lamps alone.
+  RoomPass see(int pass, RoomTracer &tracer, PhotonMapper &mapper);
+
+  const std::vector<int> &lamp_pixels() const { return lamp_pixels_; }  // of the region
+  void set_lamp_pixels(std::vector<int> pixels) { lamp_pixels_ = std::move(pixels); }
+  double gather_seconds() const { return gather_seconds_; }
+
+  static constexpr int lamp_samples = 64;
+
+ private:
+  room_twin::EyeCamera camera_for(int pass) const;
+  void see_band(int first_row, int rows, int pass, RoomTracer &tracer, PhotonMapper &mapper, RoomPass &out);
+  void add_sample(const EyeBand &band, const PassIrradiance &light, std::size_t sample, std::size_t pixel,
+                  RoomPass &out);
+  void find_lamp_edges();
+  void resample_lamps(int pass, RoomTracer &tracer, RoomPass &out);
+
+  CameraScene from_;
+  RoomPlan plan_;
+  std::uint32_t seed_;
+  bool alone_;
+  std::size_t waves_;
+  int band_rows_;
+  std::vector<float> lamps_;  // [pixels][waves], light of lamps in the current pass
+  std::vector<int> lamp_pixels_;
+  double gather_seconds_ = 0;
+};
+
+}  // namespace greenray
