@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace greenray {
 namespace {
@@ -33,11 +34,21 @@ GatherPoint point_of(const room_twin::EyeSample &sample) {
   return point;
 }
 
-/// Do two pixels see different light of lamps? Beyond a hundredth.
-bool differ(const float *a, const float *b, std::size_t waves) {
-  for (std::size_t w = 0; w < waves; ++w)
-    if (std::abs(a[w] - b[w]) > 0.01f * std::max(a[w], b[w])) return true;
-  return false;
+/// Smallest and largest value within `reach` pixels along one axis: `step` from one to the next, `count` in a line.
+void spread_along(std::vector<float> &low, std::vector<float> &high, std::size_t lines, std::size_t line_step,
+                  int count, std::size_t step, int reach) {
+  std::vector<float> lows(static_cast<std::size_t>(count)), highs(lows.size());
+  for (std::size_t line = 0; line < lines; ++line) {
+    const auto at = [&](int i) { return line * line_step + static_cast<std::size_t>(i) * step; };
+    for (int i = 0; i < count; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      lows[k] = low[at(i)], highs[k] = high[at(i)];
+      for (int j = std::max(i - reach, 0); j <= std::min(i + reach, count - 1); ++j)
+        lows[k] = std::min(lows[k], low[at(j)]), highs[k] = std::max(highs[k], high[at(j)]);
+    }
+    for (int i = 0; i < count; ++i)
+      low[at(i)] = lows[static_cast<std::size_t>(i)], high[at(i)] = highs[static_cast<std::size_t>(i)];
+  }
 }
 
 }  // namespace
@@ -87,6 +98,7 @@ RoomPass RoomEye::see(int pass, RoomTracer &tracer, PhotonMapper &mapper) {
   }
   if (pass == 0) find_lamp_edges();
   resample_lamps(pass, tracer, out);
+  if (pass > 0) find_lamp_edges();  // found late: from the next pass on, so that nothing is chosen by its own outcome
   return out;
 }
 
@@ -129,17 +141,18 @@ void RoomEye::add_sample(const EyeBand &band, const PassIrradiance &light, std::
 }
 
 void RoomEye::find_lamp_edges() {
-  lamp_pixels_.clear();
-  const int width = plan_.width(), height = plan_.height();
-  const auto lamps = [&](int x, int y) { return &lamps_[static_cast<std::size_t>(y * width + x) * waves_]; };
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      bool edge = false;
-      for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, height - 1) && !edge; ++ny)
-        for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, width - 1) && !edge; ++nx)
-          edge = differ(lamps(x, y), lamps(nx, ny), waves_);
-      if (edge) lamp_pixels_.push_back(y * width + x);
-    }
+  const auto width = static_cast<std::size_t>(plan_.width()), height = static_cast<std::size_t>(plan_.height());
+  std::vector<float> low(plan_.pixels());
+  for (std::size_t i = 0; i < lamps_.size(); ++i) low[i / waves_] += lamps_[i];
+  std::vector<float> high = low;
+  spread_along(low, high, height, width, plan_.width(), 1, RoomPlan::margin);
+  spread_along(low, high, width, 1, plan_.height(), width, RoomPlan::margin);
+  std::vector<int> found;
+  for (std::size_t i = 0; i < low.size(); ++i)
+    if (high[i] - low[i] > 0.01f * high[i]) found.push_back(static_cast<int>(i));
+  std::vector<int> all;
+  std::set_union(found.begin(), found.end(), lamp_pixels_.begin(), lamp_pixels_.end(), std::back_inserter(all));
+  lamp_pixels_ = std::move(all);
 }
 
 /// In place of the lamps that the pass's few samples saw: the mean of many more.

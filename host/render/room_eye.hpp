@@ -24,8 +24,8 @@ class RoomEye {
   std::size_t device_bytes() const;
   /// Where a few hundred paths spread over the whole picture end, whatever the crop and the resolution.
   std::vector<GatherPoint> survey(RoomTracer &tracer) const;
-  /// The pass that the mapper has filed. Pass 0 finds the edges of lamps: pixels that see another light of lamps than
-  /// a neighbour; they get lamp_samples more paths in every pass, for their lamps alone.
+  /// The pass that the mapper has filed. It also finds the edges of lamps: pixels around which (RoomPlan::margin) more
+  /// and less light of lamps is seen; they get lamp_samples more paths in every pass, for their lamps alone.
   RoomPass see(int pass, RoomTracer &tracer, PhotonMapper &mapper);
 
   const std::vector<int> &lamp_pixels() const { return lamp_pixels_; }  // of the region

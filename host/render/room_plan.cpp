@@ -51,8 +51,8 @@ RoomPlan plan_room(const RoomScene &scene, const RoomOptions &options) {
     throw InputError(options.crop_place, "expected X0,Y0,X1,Y1 within the picture of " + std::to_string(plan.size[0]) +
                                              "x" + std::to_string(plan.size[1]) + " pixels, from below to");
   for (std::size_t a = 0; a < 2; ++a) {
-    plan.region[a] = std::max(c[a] - 1, 0);
-    plan.region[a + 2] = std::min(c[a + 2] + 1, plan.size[a]);
+    plan.region[a] = c[a] - RoomPlan::margin;
+    plan.region[a + 2] = c[a + 2] + RoomPlan::margin;
   }
   plan.photons = options.photons.value_or(scene.photons.emitted);
   const int passes = options.passes > 0 ? options.passes : plan.photons < enough_for_passes ? 1 : ordinary_passes;

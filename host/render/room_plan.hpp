@@ -11,10 +11,12 @@ namespace greenray {
 constexpr std::int64_t most_photons_a_pass = std::int64_t{1} << 21;
 
 struct RoomPlan {
-  std::array<int, 2> size{};    // of the whole picture
-  std::array<int, 4> crop{};    // x0, y0, x1, y1: what is wanted
-  std::array<int, 4> region{};  // the crop and a pixel around it, so that lamp edges are found as in the whole picture
-  std::int64_t photons = 0;     // in all passes; while open: of the passes of an ordinary picture
+  std::array<int, 2> size{};  // of the whole picture
+  std::array<int, 4> crop{};  // x0, y0, x1, y1: what is wanted
+  /// The crop and `margin` pixels around it, beyond the picture too: every crop finds the same edges of lamps.
+  std::array<int, 4> region{};
+  static constexpr int margin = 2;
+  std::int64_t photons = 0;  // in all passes; while open: of the passes of an ordinary picture
   std::int64_t photons_a_pass = 0;
   int passes = 1;     // at most
   bool open = false;  // until the error or the time is reached, passes of the same size
