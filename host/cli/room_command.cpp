@@ -85,7 +85,7 @@ void print_summary(const RoomReport &r, double total) {
   std::cout << std::setprecision(4) << "compile  kernels " << r.compile_seconds << " s\n"
             << "done     " << total << " s: photons " << r.emit_seconds << " ("
             << static_cast<double>(p.photons) / std::max(r.emit_seconds, 1e-9) / 1e6 << " M/s), map " << r.map_seconds
-            << ", gather " << r.gather_seconds << ", eye " << r.eye_seconds << "\n         stored " << p.stored[0]
+            << ", gather " << r.gather_seconds << " (edges " << r.cover_seconds << ")" << ", eye " << r.eye_seconds << "\n         stored " << p.stored[0]
             << " diffuse, " << p.stored[1] << " caustic; noise " << 100 * r.noise_rms << " %, bias " << 100 * r.bias
             << " %, medium " << r.air_cells << " cells good to " << 1000 * r.table_error_m << " mm\n";
 }

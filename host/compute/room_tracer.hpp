@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "compute/photon_map.hpp"
@@ -72,6 +73,10 @@ class RoomTracer {
   /// camera.width * rows * samples paths
   EyeBand see(const room_twin::EyeCamera &camera);
   double eye_seconds() const;
+  /// Which part of the disc of each gather is surface that photons could land on (kernels/surface/cover.h).
+  /// height: over the radius; facing: cosine, as in GatherSettings
+  std::vector<room_twin::Cover> cover(std::span<const GatherPoint> points, std::span<const float> radius_m,
+                                      double height, double facing);
 
  private:
   struct State;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "render/pixel_statistics.hpp"
+#include "render/radius_field.hpp"
 #include "support/error.hpp"
 
 namespace greenray {
@@ -58,35 +59,84 @@ struct PhotonMapper::State {
     return radius_m > 0 ? std::min(radius_m, options.most_radius_m) : options.most_radius_m;
   }
 
+  struct Estimates {
+    GatherAnswers answers;
+    std::vector<float> radius_m;
+  };
+
+  /// Finds radii for good, and what lies within them.
+  Estimates first_estimates(Side &side, double guess_m, std::span<const GatherPoint> places) {
+    GatherSettings s = settings();
+    if (side.nearest == 0) {
+      gather.within(side.map, s);
+      side.radius_m.assign(places.size(), s.radius_m);
+      return {gather.read(), side.radius_m};
+    }
+    s.nearest = side.nearest, s.guess_m = static_cast<float>(guess_m);
+    gather.nearest(side.map, s);
+    Estimates found{gather.read(), {}};
+    for (const Gathered &g : found.answers.gathered) found.radius_m.push_back(g.radius_m);
+    limit_radius_slope(places, options.columns, options.samples, options.radius_slope, found.radius_m);
+    ask_again_where_lowered(side, places, found);
+    side.radius_m = found.radius_m;
+    return found;
+  }
+
+  void ask_again_where_lowered(Side &side, std::span<const GatherPoint> places, Estimates &found) {
+    std::vector<std::size_t> lowered;
+    std::vector<GatherPoint> at;
+    std::vector<float> radius_m;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (!(found.radius_m[i] < found.answers.gathered[i].radius_m)) continue;
+      lowered.push_back(i), at.push_back(places[i]), radius_m.push_back(found.radius_m[i]);
+    }
+    if (lowered.empty()) return;
+    gather.set_points(at);
+    gather.within(side.map, settings(), radius_m);
+    const GatherAnswers again = gather.read();
+    const auto waves = static_cast<std::size_t>(options.waves);
+    for (std::size_t i = 0; i < lowered.size(); ++i) {
+      found.answers.gathered[lowered[i]] = again.gathered[i], found.answers.spread[lowered[i]] = again.spread[i];
+      for (std::size_t w = 0; w < waves; ++w)
+        found.answers.irradiance[lowered[i] * waves + w] = again.irradiance[i * waves + w];
+    }
+    gather.set_points(places);
+  }
+
+  Estimates later_estimates(const Side &side, double ratio) {
+    Estimates found{{}, side.radius_m};
+    for (float &r : found.radius_m) r *= static_cast<float>(ratio);
+    gather.within(side.map, settings(), found.radius_m);
+    found.answers = gather.read();
+    return found;
+  }
+
+  void add(const Estimates &found, std::span<const GatherPoint> places, PassIrradiance &sum) const {
+    std::vector<GatherCover> covers(places.size());
+    if (options.cover) covers = options.cover(places, found.radius_m);
+    const auto waves = static_cast<std::size_t>(options.waves);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const float whole = 1 / covers[i].whole;
+      for (std::size_t w = 0; w < waves; ++w)
+        sum.irradiance[i * waves + w] += found.answers.irradiance[i * waves + w] * whole;
+      sum.narrower[i] += found.answers.spread[i].inner_W_m2 / covers[i].inner;
+      sum.variance[i] += found.answers.spread[i].variance_W2_m4 * whole * whole;
+      sum.photons[i] += found.answers.gathered[i].count;
+    }
+  }
+
   /// Pass 0 looks for the radii, later ones have them.
-  void ask(Side &side, int pass, std::size_t records, PassIrradiance &sum) {
+  void ask(Side &side, int pass, std::size_t records, std::span<const GatherPoint> places, PassIrradiance &sum) {
     const double ratio = pass_radius_ratio(pass, options.alpha), begin = now();
     const bool search = side.radius_m.empty();
     const double radius_m = search ? first_radius_m(side, records) : median(side.radius_m) * ratio;
     side.map.build(records, options.bounds, cell_of_radius(radius_m));
     const double built = now();
     sum.build_seconds += built - begin;
-    GatherSettings s = settings();
-    if (search && side.nearest > 0) {
-      s.nearest = side.nearest;
-      s.guess_m = static_cast<float>(radius_m);
-      gather.nearest(side.map, s);
-    } else if (search) {
-      gather.within(side.map, s);
-    } else {
-      std::vector<float> shrunk(side.radius_m);
-      for (float &r : shrunk) r *= static_cast<float>(ratio);
-      gather.within(side.map, s, shrunk);
-    }
-    const GatherAnswers answers = gather.read();
-    for (std::size_t i = 0; i < answers.irradiance.size(); ++i) sum.irradiance[i] += answers.irradiance[i];
-    for (std::size_t i = 0; i < answers.gathered.size(); ++i) {
-      sum.narrower[i] += answers.spread[i].inner_W_m2;
-      sum.variance[i] += answers.spread[i].variance_W2_m4;
-      sum.photons[i] += answers.gathered[i].count;
-      if (search) side.radius_m.push_back(answers.gathered[i].radius_m);
-    }
-    sum.gather_seconds += now() - built;
+    const double compiled = device->compile_seconds();
+    const Estimates found = search ? first_estimates(side, radius_m, places) : later_estimates(side, ratio);
+    add(found, places, sum);
+    sum.gather_seconds += now() - built - (device->compile_seconds() - compiled);
   }
 
   std::shared_ptr<Device> device;
@@ -115,8 +165,8 @@ PassIrradiance PhotonMapper::gather(int pass, std::size_t diffuse_records, std::
   sum.narrower.resize(places.size()), sum.variance.resize(places.size()), sum.photons.resize(places.size());
   if (places.empty()) return sum;
   s.gather.set_points(places);
-  s.ask(s.diffuse, pass, diffuse_records, sum);
-  if (s.caustic) s.ask(*s.caustic, pass, caustic_records, sum);
+  s.ask(s.diffuse, pass, diffuse_records, places, sum);
+  if (s.caustic) s.ask(*s.caustic, pass, caustic_records, places, sum);
   return sum;
 }
 

@@ -1,6 +1,7 @@
 // Irradiance at the places the eye asks for, pass by pass: files the photons of a pass in two maps, sets the radii,
 // gathers from both.
 #pragma once
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -8,6 +9,13 @@
 #include "compute/photon_gather.hpp"
 
 namespace greenray {
+
+/// Part of a gather's disc that surfaces fill, of the whole one and of the one of half its area: 1 away from edges.
+struct GatherCover {
+  float whole = 1, inner = 1;
+};
+using CoverFinder =
+    std::function<std::vector<GatherCover>(std::span<const GatherPoint> places, std::span<const float> radius_m)>;
 
 struct PhotonMapperOptions {
   int waves = 1;
@@ -21,6 +29,10 @@ struct PhotonMapperOptions {
   double flatness = 0.25, facing_deg = 60;
   double alpha = 2.0 / 3;  // of the shrinking radius
   int local_size = 0;
+  /// Places are a picture: [rows][columns][samples]. columns 0: they are not, and radii are left as found.
+  std::size_t columns = 0, samples = 1;
+  double radius_slope = 0.2;  // limit_radius_slope
+  CoverFinder cover;          // empty: discs are taken as whole, and edges are too dark
 };
 
 /// Answers of a pass for each place, both maps together. Irradiance in the unit of the powers per m^2.

@@ -151,8 +151,25 @@ class Room {
     // The radius of k photons, were they spread evenly over everything; four times that at most.
     const double even_m = std::sqrt(k * area_m2(scene_.surfaces) / (M_PI * batch.photons));
     o.most_radius_m = scene_.photons.radius_m.value_or(std::min(4 * even_m, 0.2 * diagonal_m(tree_.bounds)));
+    o.columns = static_cast<std::size_t>(size_[0]), o.samples = static_cast<std::size_t>(samples_);
+    o.cover = [this](std::span<const GatherPoint> places, std::span<const float> radius_m) {
+      return find_cover(places, radius_m);
+    };
     mapper_ = std::make_unique<PhotonMapper>(device_, o);
     if (!no_caustic_) no_caustic_ = std::make_unique<PhotonMap>(device_, PhotonMapOptions{1, o.waves, 0, 0});
+  }
+
+  /// Only of places that ask; the others stand far off.
+  std::vector<GatherCover> find_cover(std::span<const GatherPoint> places, std::span<const float> radius_m) {
+    const auto begin = Clock::now();
+    const double compiled = device_->compile_seconds();
+    const PhotonMapperOptions defaults;
+    const std::vector<room_twin::Cover> found =
+        tracer_->cover(places, radius_m, defaults.flatness, std::cos(defaults.facing_deg * M_PI / 180));
+    std::vector<GatherCover> covers;
+    for (const room_twin::Cover &c : found) covers.push_back({c.whole, c.inner});
+    out_.report.cover_seconds += seconds_since(begin) - (device_->compile_seconds() - compiled);
+    return covers;
   }
 
   void trace_photons(int pass) {
