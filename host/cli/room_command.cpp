@@ -120,8 +120,9 @@ void print_summary(const RoomReport &r, double total) {
   std::cout << std::setprecision(4) << "compile  kernels " << r.compile_seconds << " s\n"
             << "done     " << total << " s: photons " << r.emit_seconds << " ("
             << static_cast<double>(p.photons) / std::max(r.emit_seconds, 1e-9) / 1e6 << " M/s), map " << r.map_seconds
-            << ", gather " << r.gather_seconds << ", eye " << r.eye_seconds << "\n         stored " << p.stored[0]
-            << " diffuse, " << p.stored[1] << " caustic, of " << p.photons << " photons in " << r.passes << " passes"
+            << ", gather " << r.gather_seconds << " (edges " << r.cover_seconds << ")"
+            << ", eye " << r.eye_seconds << "\n         stored " << p.stored[0] << " diffuse, " << p.stored[1]
+            << " caustic, of " << p.photons << " photons in " << r.passes << " passes"
             << (r.resumed_at > 0 ? ", " + std::to_string(r.resumed_at) + " of them from a checkpoint" : "")
             << "\n         error " << 100 * r.error_rms << " % (noise " << 100 * r.noise_rms << " %, bias "
             << 100 * r.bias_rms << " %), medium " << r.air_cells << " cells good to " << 1000 * r.table_error_m

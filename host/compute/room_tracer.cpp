@@ -221,4 +221,32 @@ std::vector<float> RoomTracer::see_lamps(const room_twin::EyeCamera &camera, con
   return lamps;
 }
 
+std::vector<room_twin::Cover> RoomTracer::cover(std::span<const GatherPoint> points, std::span<const float> radius_m,
+                                                double height, double facing) {
+  std::vector<room_twin::Cover> covers(points.size());
+  if (points.empty()) return covers;
+  Buffer<GatherPoint> places(state_->device, points.size(), "places to gather at");
+  Buffer<float> radii(state_->device, points.size(), "the radii of gathers");
+  Buffer<room_twin::Cover> found(state_->device, points.size(), "the support of gathers");
+  places.write(points.data(), points.size());
+  radii.write(radius_m.data(), points.size());
+  room_twin::CoverSettings settings{static_cast<float>(height), static_cast<float>(facing), 0, 0};
+  try {
+    cl_uint next = 0;
+    cl::Kernel &k = state_->kernel("cover_gathers", next);
+    k.setArg(next++, places.cl());
+    k.setArg(next++, radii.cl());
+    k.setArg(next++, found.cl());
+    k.setArg(next, settings);
+    state_->warm_up("cover_gathers", k);
+    settings.count = static_cast<int>(points.size());
+    k.setArg(next, settings);
+    state_->scene.state().launch(k, "cover_gathers", points.size());
+  } catch (const cl::Error &error) {
+    throw_failed_call(error, "kernel cover_gathers", state_->device.info.name);
+  }
+  found.read(covers.data(), covers.size());
+  return covers;
+}
+
 }  // namespace greenray

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "compute/photon_map.hpp"
@@ -74,6 +75,10 @@ class RoomTracer {
   /// The light of lamps alone, [pixels][waves], mean of camera.samples paths through each of these pixels of the band.
   std::vector<float> see_lamps(const room_twin::EyeCamera &camera, const std::vector<int> &pixels);
   double eye_seconds() const;
+  /// Which part of the disc of each gather is surface that photons could land on (kernels/surface/cover.h).
+  /// height: over the radius; facing: cosine, as in GatherSettings
+  std::vector<room_twin::Cover> cover(std::span<const GatherPoint> points, std::span<const float> radius_m,
+                                      double height, double facing);
 
  private:
   struct State;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "render/pixel_statistics.hpp"
+#include "render/radius_field.hpp"
 #include "support/error.hpp"
 
 namespace greenray {
@@ -85,29 +86,33 @@ struct PhotonMapper::State {
     else gather.within(side.map, s);
   }
 
-  /// Pass 0 looks for the radii, later ones have them.
+  /// Radii of places, appended: those of the nearest k, a hair less, so that the k-th itself stays outside.
+  void find_radii(Side &side, std::span<const GatherPoint> places) {
+    search(side, side.middle_m > 0 ? side.middle_m : first_radius_m(side, side.records));
+    const std::vector<Gathered> found = gather.read().gathered;
+    const float hair = side.nearest > 0 ? 1 - 3e-7f : 1;
+    for (std::size_t i = 0; i < places.size(); ++i)
+      side.radius_m.push_back(is_place(places[i]) || side.middle_m == 0 ? hair * found[i].radius_m
+                                                                        : static_cast<float>(side.middle_m));
+  }
+
   void ask(Side &side, std::size_t first, std::span<const GatherPoint> places, PassIrradiance &sum) {
-    const std::size_t count = places.size();
-    const auto begin = side.radius_m.begin() + static_cast<std::ptrdiff_t>(std::min(first, side.radius_m.size()));
-    if (pass == 0) {
-      search(side, side.middle_m > 0 ? side.middle_m : first_radius_m(side, side.records));
-    } else {
-      std::vector<float> shrunk(begin, begin + static_cast<std::ptrdiff_t>(count));
-      for (float &r : shrunk) r *= static_cast<float>(ratio);
-      gather.within(side.map, settings(), shrunk);
-    }
+    const auto begin = side.radius_m.begin() + static_cast<std::ptrdiff_t>(first);
+    std::vector<float> radius_m(begin, begin + static_cast<std::ptrdiff_t>(places.size()));
+    for (float &r : radius_m) r *= static_cast<float>(ratio);
+    gather.within(side.map, settings(), radius_m);
     const GatherAnswers answers = gather.read();
-    for (std::size_t i = 0; i < answers.irradiance.size(); ++i) sum.irradiance[i] += answers.irradiance[i];
-    for (std::size_t i = 0; i < count; ++i) {
-      sum.narrower[i] += answers.spread[i].inner_W_m2;
-      sum.variance[i] += answers.spread[i].variance_W2_m4;
+    std::vector<GatherCover> covers(places.size());
+    if (options.cover) covers = options.cover(places, radius_m);
+    const auto waves = static_cast<std::size_t>(options.waves);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const float whole = 1 / covers[i].whole;
+      for (std::size_t w = 0; w < waves; ++w)
+        sum.irradiance[i * waves + w] += answers.irradiance[i * waves + w] * whole;
+      sum.narrower[i] += answers.spread[i].inner_W_m2 / covers[i].inner;
+      sum.variance[i] += answers.spread[i].variance_W2_m4 * whole * whole;
       sum.photons[i] += answers.gathered[i].count;
     }
-    if (pass > 0) return;
-    if (side.radius_m.size() < first + count) side.radius_m.resize(first + count);
-    for (std::size_t i = 0; i < count; ++i)
-      side.radius_m[first + i] =
-          is_place(places[i]) || side.middle_m == 0 ? answers.gathered[i].radius_m : static_cast<float>(side.middle_m);
   }
 
   template <class F>
@@ -149,6 +154,26 @@ void PhotonMapper::survey(std::span<const GatherPoint> places) {
   state_->each_side([&](State::Side &side) { state_->survey(side); });
 }
 
+void PhotonMapper::find_radii(std::span<const GatherPoint> places) {
+  if (places.empty()) return;
+  state_->gather.set_points(places);
+  state_->each_side([&](State::Side &side) { state_->find_radii(side, places); });
+}
+
+void PhotonMapper::settle_radii(std::span<const GatherPoint> places, std::size_t columns, std::size_t samples) {
+  state_->each_side([&](State::Side &side) {
+    if (side.nearest > 0) limit_radius_slope(places, columns, samples, state_->options.radius_slope, side.radius_m);
+  });
+}
+
+void PhotonMapper::keep_radii(std::span<const std::size_t> places) {
+  state_->each_side([&](State::Side &side) {
+    std::vector<float> kept;
+    for (const std::size_t i : places) kept.push_back(side.radius_m.at(i));
+    side.radius_m = std::move(kept);
+  });
+}
+
 PassIrradiance PhotonMapper::ask(std::size_t first, std::span<const GatherPoint> places) {
   State &s = *state_;
   if (s.pass < 0) throw RunError("a gather before any photons were filed");
@@ -156,21 +181,26 @@ PassIrradiance PhotonMapper::ask(std::size_t first, std::span<const GatherPoint>
   sum.irradiance.resize(places.size() * static_cast<std::size_t>(s.options.waves));
   sum.narrower.resize(places.size()), sum.variance.resize(places.size()), sum.photons.resize(places.size());
   if (places.empty()) return sum;
-  const double begin = now();
+  const double begin = now(), compiled = s.device->compile_seconds();
   s.gather.set_points(places);
   s.each_side([&](State::Side &side) {
-    if (s.pass > 0 && side.radius_m.size() < first + places.size())
-      throw RunError("a later pass of photons without the radii of the first, or with other places");
+    if (side.radius_m.size() < first + places.size())
+      throw RunError("photons are asked for other places than their radii were found for");
     s.ask(side, first, places, sum);
   });
-  sum.gather_seconds = now() - begin;
+  sum.gather_seconds = now() - begin - (s.device->compile_seconds() - compiled);
   return sum;
 }
 
 PassIrradiance PhotonMapper::gather(int pass, std::size_t diffuse_records, std::size_t caustic_records,
                                     std::span<const GatherPoint> places) {
   const double build_seconds = file(pass, diffuse_records, caustic_records);
-  survey(places);
+  if (pass == 0) {
+    survey(places);
+    state_->each_side([](State::Side &side) { side.radius_m.clear(); });
+    find_radii(places);
+    settle_radii(places, state_->options.columns, state_->options.samples);
+  }
   PassIrradiance sum = ask(0, places);
   sum.build_seconds = build_seconds;
   return sum;

@@ -1,6 +1,7 @@
 // Irradiance at the places the eye asks for, pass by pass: files the photons of a pass in two maps, sets the radii,
 // gathers from both.
 #pragma once
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -8,6 +9,13 @@
 #include "compute/photon_gather.hpp"
 
 namespace greenray {
+
+/// Part of a gather's disc that surfaces fill, of the whole one and of the one of half its area: 1 away from edges.
+struct GatherCover {
+  float whole = 1, inner = 1;
+};
+using CoverFinder =
+    std::function<std::vector<GatherCover>(std::span<const GatherPoint> places, std::span<const float> radius_m)>;
 
 struct PhotonMapperOptions {
   int waves = 1;
@@ -21,6 +29,11 @@ struct PhotonMapperOptions {
   double flatness = 0.25, facing_deg = 60;
   double alpha = 2.0 / 3;  // of the shrinking radius
   int local_size = 0;
+  /// For gather(): places are a picture, [rows][columns][samples]. columns 0: they are not, and radii are left as
+  /// found.
+  std::size_t columns = 0, samples = 1;
+  double radius_slope = 0.2;  // limit_radius_slope
+  CoverFinder cover;          // empty: discs are taken as whole, and edges are too dark
 };
 
 /// A place far from everything, for paths that ask nothing: it keeps their number.
@@ -53,10 +66,16 @@ class PhotonMapper {
   /// After the first pass was filed: the middle radius at these places sets the size of the grids' cells. Cells do not
   /// change which photons are found, but in what order they are summed: the same places, the same bits.
   void survey(std::span<const GatherPoint> places);
+  /// In pass 0: the radii of places, after those found already.
+  void find_radii(std::span<const GatherPoint> places);
+  /// Then: keeps radii from reaching over bright edges (render/radius_field.hpp). All places, a picture.
+  void settle_radii(std::span<const GatherPoint> places, std::size_t columns, std::size_t samples);
+  /// And forgets all radii but these, in this order.
+  void keep_radii(std::span<const std::size_t> places);
   /// Asks the filed photons for places first .. first + places.size(), in any parts. Place i of every pass is that of
   /// pass 0, moved by less than a pixel, and keeps its radius.
   PassIrradiance ask(std::size_t first, std::span<const GatherPoint> places);
-  /// All of it: file, survey by these places themselves, ask.
+  /// All of it: file; in pass 0 survey by these places themselves and find their radii; ask.
   PassIrradiance gather(int pass, std::size_t diffuse_records, std::size_t caustic_records,
                         std::span<const GatherPoint> places);
 

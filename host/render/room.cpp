@@ -169,7 +169,7 @@ class Room {
       photons_->trace(plan_, pass);
       stop_if_asked();
       show("picture", 0.5);
-      if (pass == 0) photons_->mapper().survey(eye_->survey(*tracer_));
+      if (pass == 0) eye_->find_radii(*tracer_, photons_->mapper());
       add(eye_->see(pass, *tracer_, photons_->mapper()));
     } catch (const Error &error) {
       keep_after(error);
@@ -252,7 +252,8 @@ class Room {
     r.lamp_pixels = eye_->lamp_pixels().size();
     r.photons = photons_->totals();
     r.emit_seconds = r.photons.seconds, r.map_seconds = photons_->map_seconds();
-    r.gather_seconds = eye_->gather_seconds(), r.eye_seconds = tracer_->eye_seconds();
+    r.gather_seconds = eye_->gather_seconds(), r.cover_seconds = photons_->cover_seconds(),
+    r.eye_seconds = tracer_->eye_seconds();
     r.compile_seconds = device_->compile_seconds() - compiled_before_;
   }
 

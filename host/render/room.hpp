@@ -46,6 +46,7 @@ struct RoomReport {
   std::int64_t photons_a_pass = 0;
   std::size_t lamp_pixels = 0;  // with more samples, for the edges of lamps
   double build_seconds = 0, emit_seconds = 0, map_seconds = 0, gather_seconds = 0, eye_seconds = 0, compile_seconds = 0;
+  double cover_seconds = 0;  // part of gather_seconds
 };
 
 struct RoomPicture {

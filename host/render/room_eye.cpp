@@ -1,6 +1,7 @@
 #include "render/room_eye.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <iterator>
 
@@ -54,18 +55,25 @@ void spread_along(std::vector<float> &low, std::vector<float> &high, std::size_t
 }  // namespace
 
 RoomEye::RoomEye(const CameraScene &camera, const RoomPlan &plan, std::uint32_t seed, bool alone, std::size_t waves)
-    : from_(camera), plan_(plan), seed_(seed), alone_(alone), waves_(waves) {
-  const std::size_t row = static_cast<std::size_t>(plan.width()) * static_cast<std::size_t>(plan.samples);
-  band_rows_ = std::clamp(static_cast<int>(band_samples / row), 1, plan.height());
+    : from_(camera), plan_(plan), seed_(seed), alone_(alone), waves_(waves) {}
+
+std::vector<RoomEye::Box> RoomEye::bands_of(const Box &box) const {
+  const std::size_t row = static_cast<std::size_t>(box[2] - box[0]) * static_cast<std::size_t>(plan_.samples);
+  const int rows = std::max(1, static_cast<int>(band_samples / row));
+  std::vector<Box> bands;
+  for (int y = box[1]; y < box[3]; y += rows) bands.push_back({box[0], y, box[2], std::min(y + rows, box[3])});
+  return bands;
 }
 
 std::size_t RoomEye::device_bytes() const {
-  const std::size_t samples = static_cast<std::size_t>(plan_.width()) * static_cast<std::size_t>(plan_.samples) *
-                              static_cast<std::size_t>(band_rows_);
+  const Box first = bands_of(plan_.frame())[0];
+  const std::size_t samples = static_cast<std::size_t>(first[2] - first[0]) *
+                              static_cast<std::size_t>(first[3] - first[1]) * static_cast<std::size_t>(plan_.samples);
   return samples * (sizeof(room_twin::EyeSample) + 2 * sizeof(float) * waves_) +
          PhotonMapper::device_bytes(0, samples, static_cast<int>(waves_));
 }
 
+/// Where a few hundred paths spread over the whole picture end, whatever the crop and the resolution.
 std::vector<GatherPoint> RoomEye::survey(RoomTracer &tracer) const {
   constexpr int coarse = 40;  // pixels of the longer side
   const int longer = std::max(plan_.size[0], plan_.size[1]);
@@ -78,12 +86,46 @@ std::vector<GatherPoint> RoomEye::survey(RoomTracer &tracer) const {
   return points;
 }
 
-room_twin::EyeCamera RoomEye::camera_for(int pass) const {
+room_twin::EyeCamera RoomEye::camera_for(const Box &box, int pass) const {
   room_twin::EyeCamera camera = camera_of(from_, plan_.size);
   camera.seed = seed_, camera.alone = alone_ ? 1 : 0;
-  camera.first_column = plan_.region[0], camera.width = plan_.width();
+  camera.first_column = box[0], camera.width = box[2] - box[0];
+  camera.first_row = box[1], camera.rows = box[3] - box[1];
   camera.first_sample = pass * plan_.samples, camera.samples = plan_.samples;
   return camera;
+}
+
+EyeBand RoomEye::see_band(const Box &band, int pass, RoomTracer &tracer) const {
+  stop_if_asked();
+  return tracer.see(camera_for(band, pass));
+}
+
+void RoomEye::find_radii(RoomTracer &tracer, PhotonMapper &mapper) {
+  const auto begin = std::chrono::steady_clock::now();
+  const double eye_before = tracer.eye_seconds();
+  mapper.survey(survey(tracer));
+  const Box frame = plan_.frame();
+  const std::vector<Box> bands = bands_of(frame);
+  std::vector<GatherPoint> all;
+  for (const Box &box : bands) {
+    EyeBand band = see_band(box, 0, tracer);
+    const std::size_t before = all.size();
+    std::transform(band.samples.begin(), band.samples.end(), std::back_inserter(all), point_of);
+    mapper.find_radii(std::span(all).subspan(before));
+    if (bands.size() == 1 && frame == plan_.region) first_band_ = std::move(band);
+  }
+  const std::size_t samples = static_cast<std::size_t>(plan_.samples);
+  mapper.settle_radii(all, static_cast<std::size_t>(frame[2] - frame[0]), samples);
+  if (frame != plan_.region) {
+    std::vector<std::size_t> kept;
+    for (int y = plan_.region[1]; y < plan_.region[3]; ++y)
+      for (int x = plan_.region[0]; x < plan_.region[2]; ++x)
+        for (std::size_t s = 0; s < samples; ++s)
+          kept.push_back(static_cast<std::size_t>((y - frame[1]) * (frame[2] - frame[0]) + x - frame[0]) * samples + s);
+    mapper.keep_radii(kept);
+  }
+  gather_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() -
+                     (tracer.eye_seconds() - eye_before);
 }
 
 RoomPass RoomEye::see(int pass, RoomTracer &tracer, PhotonMapper &mapper) {
@@ -92,9 +134,9 @@ RoomPass RoomEye::see(int pass, RoomTracer &tracer, PhotonMapper &mapper) {
   for (std::vector<float> *values : {&out.narrower, &out.variance, &out.depth_m, &out.bend_mrad, &out.photon_count})
     values->assign(plan_.pixels(), 0.0f);
   lamps_.assign(plan_.pixels() * waves_, 0.0f);
-  for (int row = 0; row < plan_.height(); row += band_rows_) {
-    stop_if_asked();
-    see_band(row, std::min(band_rows_, plan_.height() - row), pass, tracer, mapper, out);
+  for (const Box &box : bands_of(plan_.region)) {
+    add_band(box, pass == 0 && first_band_ ? *first_band_ : see_band(box, pass, tracer), mapper, out);
+    first_band_.reset();
   }
   if (pass == 0) find_lamp_edges();
   resample_lamps(pass, tracer, out);
@@ -102,15 +144,13 @@ RoomPass RoomEye::see(int pass, RoomTracer &tracer, PhotonMapper &mapper) {
   return out;
 }
 
-void RoomEye::see_band(int first_row, int rows, int pass, RoomTracer &tracer, PhotonMapper &mapper, RoomPass &out) {
-  room_twin::EyeCamera camera = camera_for(pass);
-  camera.first_row = plan_.region[1] + first_row, camera.rows = rows;
-  const EyeBand band = tracer.see(camera);
+void RoomEye::add_band(const Box &box, const EyeBand &band, PhotonMapper &mapper, RoomPass &out) {
   // Every sample keeps its place among the points, so that it keeps its radius.
   std::vector<GatherPoint> points(band.samples.size());
   std::transform(band.samples.begin(), band.samples.end(), points.begin(), point_of);
   const std::size_t samples = static_cast<std::size_t>(plan_.samples);
-  const std::size_t first_pixel = static_cast<std::size_t>(first_row) * static_cast<std::size_t>(plan_.width());
+  const std::size_t first_pixel =
+      static_cast<std::size_t>(box[1] - plan_.region[1]) * static_cast<std::size_t>(plan_.width());
   const PassIrradiance light = mapper.ask(first_pixel * samples, points);
   gather_seconds_ += light.gather_seconds;
   for (std::size_t i = 0; i < points.size(); ++i) add_sample(band, light, i, first_pixel + i / samples, out);
@@ -158,10 +198,9 @@ void RoomEye::find_lamp_edges() {
 /// In place of the lamps that the pass's few samples saw: the mean of many more.
 void RoomEye::resample_lamps(int pass, RoomTracer &tracer, RoomPass &out) {
   if (lamp_pixels_.empty()) return;
-  room_twin::EyeCamera camera = camera_for(pass);
+  room_twin::EyeCamera camera = camera_for(plan_.region, pass);
   // Each pass has shifts of its own, so that the spread of the passes tells their error.
   camera.seed = seed_ ^ (0x9e3779b9u * static_cast<std::uint32_t>(pass + 1));
-  camera.first_row = plan_.region[1], camera.rows = plan_.height();
   camera.first_sample = 0, camera.samples = lamp_samples;
   const std::vector<float> seen = tracer.see_lamps(camera, lamp_pixels_);
   for (std::size_t i = 0; i < lamp_pixels_.size(); ++i) {

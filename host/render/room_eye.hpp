@@ -1,6 +1,7 @@
 // What the eye sees of a room in one pass: paths, lamps, and the light gathered where paths end. Bands of pixels, so
 // that memory is bounded whatever the picture is.
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "render/photon_mapper.hpp"
@@ -22,8 +23,9 @@ class RoomEye {
 
   /// Bytes on the device for one band.
   std::size_t device_bytes() const;
-  /// Where a few hundred paths spread over the whole picture end, whatever the crop and the resolution.
-  std::vector<GatherPoint> survey(RoomTracer &tracer) const;
+  /// When the first pass is filed: the radii of all places. They hang together over the whole picture, so that it is
+  /// looked at as a whole, whatever the crop.
+  void find_radii(RoomTracer &tracer, PhotonMapper &mapper);
   /// The pass that the mapper has filed. It also finds the edges of lamps: pixels around which (RoomPlan::margin) more
   /// and less light of lamps is seen; they get lamp_samples more paths in every pass, for their lamps alone.
   RoomPass see(int pass, RoomTracer &tracer, PhotonMapper &mapper);
@@ -35,8 +37,12 @@ class RoomEye {
   static constexpr int lamp_samples = 64;
 
  private:
-  room_twin::EyeCamera camera_for(int pass) const;
-  void see_band(int first_row, int rows, int pass, RoomTracer &tracer, PhotonMapper &mapper, RoomPass &out);
+  using Box = std::array<int, 4>;  // x0, y0, x1, y1, the last two excluded
+  std::vector<Box> bands_of(const Box &box) const;
+  EyeBand see_band(const Box &band, int pass, RoomTracer &tracer) const;
+  std::vector<GatherPoint> survey(RoomTracer &tracer) const;
+  room_twin::EyeCamera camera_for(const Box &box, int pass) const;
+  void add_band(const Box &box, const EyeBand &band, PhotonMapper &mapper, RoomPass &out);
   void add_sample(const EyeBand &band, const PassIrradiance &light, std::size_t sample, std::size_t pixel,
                   RoomPass &out);
   void find_lamp_edges();
@@ -47,8 +53,8 @@ class RoomEye {
   std::uint32_t seed_;
   bool alone_;
   std::size_t waves_;
-  int band_rows_;
-  std::vector<float> lamps_;  // [pixels][waves], light of lamps in the current pass
+  std::optional<EyeBand> first_band_;  // of pass 0, where one band is the whole picture
+  std::vector<float> lamps_;           // [pixels][waves], light of lamps in the current pass
   std::vector<int> lamp_pixels_;
   double gather_seconds_ = 0;
 };

@@ -1,6 +1,7 @@
 #include "render/room_photons.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "render/room_looks.hpp"
@@ -114,8 +115,25 @@ void RoomPhotons::make_mapper(const RoomPlan &plan, const PhotonBatch &batch) {
   // The radius of k photons, were they spread evenly over everything; four times that at most.
   const double even_m = std::sqrt(k * area_m2(scene_.surfaces) / (M_PI * batch.photons));
   o.most_radius_m = scene_.photons.radius_m.value_or(std::min(4 * even_m, 0.2 * diagonal_m(bounds_)));
+  o.cover = [this](std::span<const GatherPoint> places, std::span<const float> radius_m) {
+    return find_cover(places, radius_m);
+  };
   mapper_ = std::make_unique<PhotonMapper>(device_, o);
   if (!no_caustic_) no_caustic_ = std::make_unique<PhotonMap>(device_, PhotonMapOptions{1, o.waves, 0, 0});
+}
+
+/// Only of places that ask; the others stand far off.
+std::vector<GatherCover> RoomPhotons::find_cover(std::span<const GatherPoint> places, std::span<const float> radius_m) {
+  const auto begin = std::chrono::steady_clock::now();
+  const double compiled = device_->compile_seconds();
+  const PhotonMapperOptions defaults;
+  const std::vector<room_twin::Cover> found =
+      tracer_.cover(places, radius_m, defaults.flatness, std::cos(defaults.facing_deg * M_PI / 180));
+  std::vector<GatherCover> covers;
+  for (const room_twin::Cover &c : found) covers.push_back({c.whole, c.inner});
+  cover_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() -
+                    (device_->compile_seconds() - compiled);
+  return covers;
 }
 
 void RoomPhotons::trace(const RoomPlan &plan, int pass) {

@@ -23,6 +23,7 @@ class RoomPhotons {
   const PhotonTotals &totals() const { return totals_; }
   void set_totals(const PhotonTotals &totals) { totals_ = totals; }
   double map_seconds() const { return map_seconds_; }
+  double cover_seconds() const { return cover_seconds_; }
 
  private:
   PhotonBatch batch_of(const RoomPlan &plan, int pass) const;
@@ -31,6 +32,7 @@ class RoomPhotons {
   bool fits(const PhotonBatch &batch, std::size_t other_bytes) const;
   void make_mapper(const RoomPlan &plan, const PhotonBatch &batch);
   void share_out(const PhotonBatch &batch);
+  std::vector<GatherCover> find_cover(std::span<const GatherPoint> places, std::span<const float> radius_m);
 
   const RoomScene &scene_;
   const RoomOptions &options_;
@@ -42,7 +44,7 @@ class RoomPhotons {
   int chunk_;
   std::array<int, 2> slots_{};
   PhotonTotals totals_;
-  double map_seconds_ = 0;
+  double map_seconds_ = 0, cover_seconds_ = 0;
   std::unique_ptr<PhotonMapper> mapper_;
   std::unique_ptr<PhotonMap> no_caustic_;
 };

@@ -23,6 +23,8 @@ struct RoomPlan {
   int samples = 1;    // of a pixel in each pass
   int nearest = 1;    // photons of one estimate in pass 0
 
+  /// The whole picture with its margin.
+  std::array<int, 4> frame() const { return {-margin, -margin, size[0] + margin, size[1] + margin}; }
   int width() const { return region[2] - region[0]; }
   int height() const { return region[3] - region[1]; }
   std::size_t pixels() const { return static_cast<std::size_t>(width()) * static_cast<std::size_t>(height()); }

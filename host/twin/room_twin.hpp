@@ -16,6 +16,7 @@ namespace greenray::room_twin {
 
 #include "lib/pack.h"
 #include "lib/sampling.h"
+#include "shared/cover.h"
 #include "shared/light.h"
 #include "shared/material.h"
 #include "shared/photon.h"
@@ -29,6 +30,8 @@ namespace greenray::room_twin {
 #include "surface/photon_path.h"
 
 #include "surface/eye_path.h"
+
+#include "surface/cover.h"
 }  // namespace greenray::room_twin
 #undef DEVICE
 #undef GLOBAL
@@ -53,6 +56,9 @@ namespace greenray::room_twin {
 #undef LOOKS_OF_BUFFERS
 #undef ROW_WAVE_PLACE
 #undef TWO_PI
+#undef COVER_RIM
+#undef COVER_SAMPLES
+#undef COVER_LEAST
 #undef WAVES
 #undef AIR_IS_CURVED
 #undef REAL_IS_DOUBLE
