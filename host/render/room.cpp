@@ -249,6 +249,7 @@ class Room {
     r.noise_rms = totals_.noise_rms, r.bias_rms = totals_.bias_rms, r.bias_mean = totals_.bias;
     r.error_rms = totals_.error_rms();
     r.passes = statistics_->passes(), r.spp = r.passes * plan_.samples, r.photons_a_pass = plan_.photons_a_pass;
+    r.aimed_cells = photons_->aimed_cells();
     r.lamp_pixels = eye_->lamp_pixels().size();
     r.photons = photons_->totals();
     r.emit_seconds = r.photons.seconds, r.map_seconds = photons_->map_seconds();

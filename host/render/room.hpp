@@ -44,6 +44,7 @@ struct RoomReport {
   double error_rms = 0;                     // both together
   int passes = 0, spp = 0, resumed_at = 0;  // resumed_at: passes taken from a checkpoint
   std::int64_t photons_a_pass = 0;
+  std::size_t aimed_cells = 0;  // of the lights' emission, that caustic photons are aimed at; 0: they are not
   std::size_t lamp_pixels = 0;  // with more samples, for the edges of lamps
   double build_seconds = 0, emit_seconds = 0, map_seconds = 0, gather_seconds = 0, eye_seconds = 0, compile_seconds = 0;
   double cover_seconds = 0;  // part of gather_seconds

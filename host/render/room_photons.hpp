@@ -2,6 +2,7 @@
 #pragma once
 #include <memory>
 
+#include "render/caustic_aim.hpp"
 #include "render/photon_mapper.hpp"
 #include "render/room_plan.hpp"
 
@@ -24,14 +25,20 @@ class RoomPhotons {
   void set_totals(const PhotonTotals &totals) { totals_ = totals; }
   double map_seconds() const { return map_seconds_; }
   double cover_seconds() const { return cover_seconds_; }
+  /// Cells of the lights' emission that caustic photons are aimed at; 0: they are not.
+  std::size_t aimed_cells() const { return aim_ ? aim_->marked : 0; }
 
  private:
   PhotonBatch batch_of(const RoomPlan &plan, int pass) const;
+  PhotonBatch caustics_of(const RoomPlan &plan, int pass) const;
+  std::uint32_t aimed_of(const RoomPlan &plan, int pass) const;
+  void find_aim(const RoomPlan &plan);
+  std::size_t store_caustics(const RoomPlan &plan, int pass);
   std::array<int, 2> slots_for(const PhotonBatch &batch);
-  std::array<std::size_t, 2> records_for(const PhotonBatch &batch) const;
-  bool fits(const PhotonBatch &batch, std::size_t other_bytes) const;
-  void make_mapper(const RoomPlan &plan, const PhotonBatch &batch);
-  void share_out(const PhotonBatch &batch);
+  std::array<std::size_t, 2> records_for(const RoomPlan &plan) const;
+  bool fits(const RoomPlan &plan, std::size_t other_bytes) const;
+  void make_mapper(const RoomPlan &plan);
+  void share_out(const PhotonBatch &batch, bool aimed);
   std::vector<GatherCover> find_cover(std::span<const GatherPoint> places, std::span<const float> radius_m);
 
   const RoomScene &scene_;
@@ -47,6 +54,7 @@ class RoomPhotons {
   double map_seconds_ = 0, cover_seconds_ = 0;
   std::unique_ptr<PhotonMapper> mapper_;
   std::unique_ptr<PhotonMap> no_caustic_;
+  std::optional<CausticAim> aim_;  // caustic photons are traced by themselves
 };
 
 double diagonal_m(const surface32::GeometryBounds &bounds);

@@ -56,6 +56,7 @@ Json room_report_json(const RoomScene &scene, const RoomOptions &options, const 
        {{"emitted", p.photons},
         {"stored_diffuse", p.stored[0]},
         {"stored_caustic", p.stored[1]},
+        {"aimed_cells", r.aimed_cells},
         {"path_pieces", p.pieces}}},
       {"energy_W_nm",
        {{"emitted", p.emitted},

@@ -20,6 +20,7 @@ namespace greenray::room_twin {
 #include "shared/light.h"
 #include "shared/material.h"
 #include "shared/photon.h"
+#include "shared/projection.h"
 
 #include "surface/looks.h"
 
@@ -28,6 +29,8 @@ namespace greenray::room_twin {
 #include "surface/emit.h"
 
 #include "surface/photon_path.h"
+
+#include "surface/projection.h"
 
 #include "surface/eye_path.h"
 
