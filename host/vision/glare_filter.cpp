@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "support/fast_math.hpp"
+
 namespace greenray::vision {
 
 namespace {
@@ -12,13 +14,13 @@ constexpr int all_pairs_side = 40;
 /// Widths of half this to this many pixels belong to a level: narrower ones would show the grid, wider ones cost more.
 constexpr double widest_in_level = 2.4;
 
-/* Variance [pixels^2] that going down to a level and back adds: bilinear steps up (1/4 of the change of 4^level),
-   smooth steps down as much, means over the cells of the survey a third of that. */
-double pyramid_variance(int level, int cell_level) {
-  const double whole = std::exp2(2.0 * level) - 1;
-  if (level < cell_level) return 0.5 * whole;
-  const double cell = std::exp2(2.0 * cell_level) - 1;
-  return 0.25 * whole + cell / 12 + 0.25 * (whole - cell);
+/// Variance [pixels^2] that going down to a level and back adds: (1 3 3 1)/8 down and straight lines up, as much each.
+double pyramid_variance(int level) { return 0.5 * (std::exp2(2.0 * level) - 1); }
+
+/// Every place of a row gives to every place of another: to[x] += sum of from[i] weights[x - i].
+GREENRAY_VECTOR_CLONES void add_row_to_row(const float *from, const float *weights, int width, float *to) {
+  for (int i = 0; i < width; ++i)
+    for (int x = 0; x < width; ++x) to[x] += from[i] * weights[x - i];
 }
 
 double radians(double deg) { return deg * std::numbers::pi / 180; }
@@ -50,7 +52,7 @@ GlareFilter::GlareFilter(int width, int height, int levels, double pixel_deg, co
    ones, below 1.2 pixels two and two together. */
 std::vector<GlareFilter::Blur> GlareFilter::blurs_of_level(int level) const {
   std::vector<Blur> blurs;
-  const double own = pyramid_variance(level, levels_), scale = std::exp2(-2.0 * level);
+  const double own = pyramid_variance(level), scale = std::exp2(-2.0 * level);
   Blur narrow{0, 0}, wide{0, 0};
   for (const GaussianSpread &g : sum_.gaussians) {
     const double sigma = g.sigma_deg / pixel_deg_, in_level = sigma * std::exp2(-level);
@@ -103,7 +105,7 @@ Plane GlareFilter::spread(const Plane &band, int first_row, const Plane &veil) c
 /// Everything that no lower level has, pair by pair.
 Plane GlareFilter::all_pairs(const Plane &cells, int level) const {
   const int w = cells.width, h = cells.height;
-  const double cell_sr = pixel_sr_ * std::exp2(2.0 * level), own = pyramid_variance(level, levels_);
+  const double cell_sr = pixel_sr_ * std::exp2(2.0 * level), own = pyramid_variance(level);
   std::vector<float> kernel(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), 0.0F);
   std::vector<double> sums(kernel.size(), 0.0);
   for (const GaussianSpread &g : sum_.gaussians) {
@@ -126,16 +128,16 @@ Plane GlareFilter::all_pairs(const Plane &cells, int level) const {
       const auto i = static_cast<std::size_t>(y * w + x);
       kernel[i] = static_cast<float>(sums[i] + flat * cell_sr);
     }
+  std::vector<float> mirrored(static_cast<std::size_t>(2 * w));  // offsets -(w - 1) .. w - 1
   Plane veil(w, h);
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      double sum = 0;
-      for (int sy = 0; sy < h; ++sy) {
-        const float *from = cells.row(sy), *weights = kernel.data() + std::abs(sy - y) * w;
-        for (int sx = 0; sx < w; ++sx) sum += static_cast<double>(weights[std::abs(sx - x)] * from[sx]);
-      }
-      veil.row(y)[x] = static_cast<float>(sum);
+  for (int dy = 0; dy < h; ++dy) {
+    for (int dx = 1 - w; dx < w; ++dx)
+      mirrored[static_cast<std::size_t>(dx + w - 1)] = kernel[static_cast<std::size_t>(dy * w + std::abs(dx))];
+    for (int y = 0; y + dy < h; ++y) {
+      add_row_to_row(cells.row(y), mirrored.data() + w - 1, w, veil.row(y + dy));
+      if (dy > 0) add_row_to_row(cells.row(y + dy), mirrored.data() + w - 1, w, veil.row(y));
     }
+  }
   return veil;
 }
 

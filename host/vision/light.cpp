@@ -154,9 +154,4 @@ LightFaults LightStore::load(int first, int rows, std::vector<float> &light) {
   return faults;
 }
 
-void LightStore::copy(std::size_t plane, int first, int rows, float *to) const {
-  std::copy_n(kept_.at(plane).data() + width_ * static_cast<std::size_t>(first),
-              width_ * static_cast<std::size_t>(rows), to);
-}
-
 }  // namespace greenray::vision

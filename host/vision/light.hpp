@@ -50,8 +50,10 @@ class LightStore {
   void set_infinite(float cd_m2) { infinite_becomes_cd_m2_ = cd_m2; }
   /// Reads rows from the source; keeps them if there is room. Threads may load different rows at once.
   LightFaults load(int first, int rows, std::vector<float> &light);
-  /// Rows first .. first+rows-1 of one plane into to[rows][width]. Only while in_memory().
-  void copy(std::size_t plane, int first, int rows, float *to) const;
+  /// A row of one plane. Only while in_memory().
+  const float *row(std::size_t plane, int y) const {
+    return kept_[plane].data() + width_ * static_cast<std::size_t>(y);
+  }
 
  private:
   PictureSource &source_;

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "support/fast_math.hpp"
 #include "support/parallel.hpp"
 
 namespace greenray::vision {
@@ -46,9 +47,28 @@ std::vector<std::vector<int>> scatter(int width, int height, std::size_t count) 
   return columns;
 }
 
+/// A line of ones, halved smoothly. margin: zeros around it, a multiple of a cell, of which the result is freed again.
+std::vector<float> smooth_ones(int size, int levels, int margin) {
+  std::vector<double> line(static_cast<std::size_t>(size + 2 * margin), 0.0);
+  std::fill_n(line.begin() + margin, size, 1.0);
+  for (int level = 0; level < levels; ++level) {
+    std::vector<double> coarse((line.size() + 1) / 2);
+    const auto at = [&line](std::size_t i) { return i < line.size() ? line[i] : 0.0; };
+    for (std::size_t i = 0; i < coarse.size(); ++i)
+      coarse[i] = 0.125 * ((i > 0 ? at(2 * i - 1) : 0.0) + at(2 * i + 2)) + 0.375 * (at(2 * i) + at(2 * i + 1));
+    line = coarse;
+  }
+  const std::ptrdiff_t cut = margin >> levels;
+  return {line.begin() + cut, line.end() - cut};
+}
+
+GREENRAY_VECTOR_CLONES void add_values(const float *from, std::size_t count, float *to) {
+  for (std::size_t i = 0; i < count; ++i) to[i] += from[i];
+}
+
 class Surveyor {
  public:
-  Surveyor(LightStore &store, const PictureFacts &facts, std::size_t points)
+  Surveyor(LightStore &store, const PictureFacts &facts, std::size_t points, bool smooth)
       : store_(store),
         width_(facts.width),
         height_(facts.height),
@@ -57,7 +77,9 @@ class Surveyor {
     const int cell = 1 << survey_.levels;
     const int w = (width_ + cell - 1) / cell, h = (height_ + cell - 1) / cell;
     survey_.cells.assign(store.converter().planes(), Plane(w, h));
-    survey_.coverage = Plane(w, h);
+    if (smooth) survey_.smooth.assign(store.converter().planes(), Plane(w, h));
+    survey_.smooth_across = smooth_ones(width_, survey_.levels, 0);
+    survey_.smooth_down = smooth_ones(height_, survey_.levels, cell);
     std::size_t count = 0;
     for (const auto &row : columns_) first_point_.push_back(count), count += row.size();
     survey_.points.resize(count);
@@ -81,7 +103,8 @@ class Surveyor {
     const float *luminance = light.data() + store_.converter().luminance_plane() * count;
     const auto [least, most] = std::minmax_element(luminance, luminance + count);
     for (std::size_t plane = 0; plane < survey_.cells.size(); ++plane)
-      average(light.data() + plane * count, first, rows, survey_.cells[plane], plane == 0);
+      average(light.data() + plane * count, first, rows, survey_.cells[plane]);
+    share_smoothly(light, first, rows);
     for (int y = 0; y < rows; ++y) {
       const auto row = static_cast<std::size_t>(first + y);
       for (std::size_t i = 0; i < columns_[row].size(); ++i)
@@ -96,7 +119,7 @@ class Surveyor {
     survey_.most_cd_m2 = std::max(survey_.most_cd_m2, *most);
   }
 
-  void average(const float *light, int first, int rows, Plane &cells, bool with_coverage) {
+  void average(const float *light, int first, int rows, Plane &cells) {
     const int cell = 1 << survey_.levels;
     std::vector<float> sums(static_cast<std::size_t>(cells.width));
     for (int top = 0; top < rows; top += cell) {
@@ -112,8 +135,28 @@ class Surveyor {
       for (int c = 0; c < cells.width; ++c) {
         const int pixels = height * std::min(cell, width_ - c * cell);
         cells.row(y)[c] = sums[static_cast<std::size_t>(c)] / static_cast<float>(pixels);
-        if (with_coverage) survey_.coverage.row(y)[c] = static_cast<float>(pixels) / static_cast<float>(cell * cell);
       }
+    }
+  }
+
+  /* What the rows of a piece give to the smooth cells, those just above and below the piece included. A cell gets a
+     share from two pieces at most: their sum does not depend on which was first. */
+  void share_smoothly(const std::vector<float> &light, int first, int rows) {
+    const int cell = 1 << survey_.levels;
+    const std::size_t count = static_cast<std::size_t>(width_) * static_cast<std::size_t>(rows);
+    for (std::size_t c = 0; c < survey_.smooth.size(); ++c) {
+      Plane &cells = survey_.smooth[c];
+      const float *values = light.data() + c * count;
+      if (survey_.levels == 0) {
+        std::copy_n(values, count, cells.row(first));
+        continue;
+      }
+      Plane share = halved_smoothly(values, width_, rows, cell / 2);
+      for (int level = 1; level < survey_.levels; ++level) share = halved_smoothly(share);
+      const int top = first / cell - 1;
+      const std::lock_guard<std::mutex> guard(lock_);
+      for (int y = std::max(0, -top); y < std::min(share.height, cells.height - top); ++y)
+        add_values(share.row(y), static_cast<std::size_t>(cells.width), cells.row(top + y));
     }
   }
 
@@ -151,11 +194,11 @@ ViewGeometry view_geometry(int width, int height, std::optional<double> fov_deg,
   return view;
 }
 
-Survey survey_picture(LightStore &store, const PictureFacts &facts, std::size_t points, unsigned threads) {
-  Survey survey = Surveyor(store, facts, points).run(threads);
+Survey survey_picture(LightStore &store, const PictureFacts &facts, std::size_t points, bool smooth, unsigned threads) {
+  Survey survey = Surveyor(store, facts, points, smooth).run(threads);
   if (survey.faults.infinite == 0) return survey;
   store.set_infinite(survey.most_cd_m2);
-  return Surveyor(store, facts, points).run(threads);
+  return Surveyor(store, facts, points, smooth).run(threads);
 }
 
 std::vector<float> surround_of(const Survey &survey, std::size_t luminance_plane) {
