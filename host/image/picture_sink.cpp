@@ -45,7 +45,7 @@ class MemorySink : public PictureSink {
  public:
   MemorySink(RgbImage &image, int width, int height) : image_(image) {
     image.width = width, image.height = height;
-    image.rgb.assign(3 * image.pixels(), 0.0F);
+    image.rgb.resize(3 * image.pixels());
   }
   void put(int first_row, int, std::vector<float> &&rgb) override {
     std::copy(

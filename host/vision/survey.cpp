@@ -66,6 +66,25 @@ GREENRAY_VECTOR_CLONES void add_values(const float *from, std::size_t count, flo
   for (std::size_t i = 0; i < count; ++i) to[i] += from[i];
 }
 
+struct Extent {
+  float least, most;
+};
+
+/// Eight at a time.
+GREENRAY_VECTOR_CLONES Extent extent_of(const float *values, std::size_t count) {
+  float least[8], most[8];
+  for (float &value : least) value = values[0];
+  for (float &value : most) value = values[0];
+  std::size_t i = 0;
+  for (; i + 8 <= count; i += 8)
+    for (std::size_t k = 0; k < 8; ++k) {
+      least[k] = values[i + k] < least[k] ? values[i + k] : least[k];
+      most[k] = values[i + k] > most[k] ? values[i + k] : most[k];
+    }
+  for (; i < count; ++i) least[0] = std::min(least[0], values[i]), most[0] = std::max(most[0], values[i]);
+  return {*std::min_element(least, least + 8), *std::max_element(most, most + 8)};
+}
+
 class Surveyor {
  public:
   Surveyor(LightStore &store, const PictureFacts &facts, std::size_t points, bool smooth)
@@ -100,43 +119,49 @@ class Surveyor {
     std::vector<float> light;
     const LightFaults faults = store_.load(first, rows, light);
     const std::size_t count = static_cast<std::size_t>(width_) * static_cast<std::size_t>(rows);
-    const float *luminance = light.data() + store_.converter().luminance_plane() * count;
-    const auto [least, most] = std::minmax_element(luminance, luminance + count);
-    for (std::size_t plane = 0; plane < survey_.cells.size(); ++plane)
-      average(light.data() + plane * count, first, rows, survey_.cells[plane]);
+    const std::size_t luminance_plane = store_.converter().luminance_plane();
+    const float *luminance = light.data() + luminance_plane * count;
+    const Extent extent = extent_of(luminance, count);
+    for (std::size_t plane = 0; plane < survey_.cells.size(); ++plane) {
+      const double sum = average(light.data() + plane * count, first, rows, survey_.cells[plane]);
+      // added in order later: the same sum for any threads
+      if (plane == luminance_plane) sums_[static_cast<std::size_t>(first / rows_per_piece)] = sum;
+    }
     share_smoothly(light, first, rows);
     for (int y = 0; y < rows; ++y) {
       const auto row = static_cast<std::size_t>(first + y);
       for (std::size_t i = 0; i < columns_[row].size(); ++i)
-        survey_.points[first_point_[row] + i] = luminance[static_cast<std::size_t>(y * width_ + columns_[row][i])];
+        survey_.points[first_point_[row] + i] =
+            luminance[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                      static_cast<std::size_t>(columns_[row][i])];
     }
-    double sum = 0;
-    for (std::size_t i = 0; i < count; ++i) sum += static_cast<double>(luminance[i]);
-    sums_[static_cast<std::size_t>(first / rows_per_piece)] = sum;  // added in order: the same sum for any threads
     const std::lock_guard<std::mutex> guard(lock_);
     survey_.faults.add(faults);
-    survey_.least_cd_m2 = std::min(survey_.least_cd_m2, *least);
-    survey_.most_cd_m2 = std::max(survey_.most_cd_m2, *most);
+    survey_.least_cd_m2 = std::min(survey_.least_cd_m2, extent.least);
+    survey_.most_cd_m2 = std::max(survey_.most_cd_m2, extent.most);
   }
 
-  void average(const float *light, int first, int rows, Plane &cells) {
+  /// Means of the cells of some rows. returns: the sum of all pixels.
+  double average(const float *light, int first, int rows, Plane &cells) {
     const int cell = 1 << survey_.levels;
-    std::vector<float> sums(static_cast<std::size_t>(cells.width));
+    const auto width = static_cast<std::size_t>(width_);
+    std::vector<float> columns(width);
+    double whole = 0;
     for (int top = 0; top < rows; top += cell) {
-      std::fill(sums.begin(), sums.end(), 0.0F);
       const int height = std::min(cell, rows - top);
-      for (int y = top; y < top + height; ++y) {
-        const float *row = light + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
-        int x = 0;
-        for (int c = 0; c < cells.width; ++c)
-          for (const int end = std::min(x + cell, width_); x < end; ++x) sums[static_cast<std::size_t>(c)] += row[x];
-      }
-      const int y = (first + top) >> survey_.levels;
+      const float *row = light + static_cast<std::size_t>(top) * width;
+      std::copy_n(row, width, columns.begin());
+      for (int y = 1; y < height; ++y) add_values(row + static_cast<std::size_t>(y) * width, width, columns.data());
+      float *to = cells.row((first + top) >> survey_.levels);
       for (int c = 0; c < cells.width; ++c) {
-        const int pixels = height * std::min(cell, width_ - c * cell);
-        cells.row(y)[c] = sums[static_cast<std::size_t>(c)] / static_cast<float>(pixels);
+        const int from = c * cell, end = std::min(from + cell, width_);
+        float sum = 0;
+        for (int x = from; x < end; ++x) sum += columns[static_cast<std::size_t>(x)];
+        to[c] = sum / static_cast<float>(height * (end - from));
+        whole += static_cast<double>(sum);
       }
     }
+    return whole;
   }
 
   /* What the rows of a piece give to the smooth cells, those just above and below the piece included. A cell gets a
