@@ -71,17 +71,22 @@ std::vector<GlareFilter::Blur> GlareFilter::blurs_of_level(int level) const {
 }
 
 Plane GlareFilter::veil(const Plane &cells) const {
-  std::vector<Plane> lights{cells};
-  while (std::max(lights.back().width, lights.back().height) > all_pairs_side)
-    lights.push_back(halved_smoothly(lights.back()));
-  const int top = static_cast<int>(lights.size()) - 1;
+  int top = 0;
+  while (((std::max(cells.width, cells.height) - 1) >> top) + 3 > all_pairs_side) ++top;
+  // one coarsest point more on each side, so that what is straight between points does not end inside the frame
+  const int margin = top == 0 ? 0 : 1 << top;
+  std::vector<Plane> lights{Plane(cells.width + 2 * margin, cells.height + 2 * margin)};
+  for (int y = 0; y < cells.height; ++y) std::copy_n(cells.row(y), cells.width, lights[0].row(y + margin) + margin);
+  for (int step = 0; step < top; ++step) lights.push_back(halved_smoothly(lights.back()));
   Plane veil = all_pairs(lights.back(), levels_ + top);
   for (int step = top - 1; step >= 0; --step) {
     const Plane &light = lights[static_cast<std::size_t>(step)];
     veil = doubled(veil, light.width, light.height);
     for (const Blur &blur : blurs_of_level(levels_ + step)) add_blurred(light, blur.variance, blur.share, veil);
   }
-  return veil;
+  Plane inside(cells.width, cells.height);
+  for (int y = 0; y < cells.height; ++y) std::copy_n(veil.row(y + margin) + margin, cells.width, inside.row(y));
+  return inside;
 }
 
 Plane GlareFilter::spread(const Plane &band, int first_row, const Plane &veil) const {
@@ -90,8 +95,10 @@ Plane GlareFilter::spread(const Plane &band, int first_row, const Plane &veil) c
   const int cell = 1 << levels_, rows = (band.height + cell - 1) / cell;
   // the veil's rows of this band: first_row is a multiple of the cell
   Plane spread(veil.width, rows);
-  for (int y = 0; y < rows; ++y)
-    std::copy_n(veil.row(std::clamp(first_row / cell + y, 0, veil.height - 1)), veil.width, spread.row(y));
+  for (int y = 0; y < rows; ++y) {
+    const std::vector<float> row = row_or_beyond(veil, first_row / cell + y + 1);
+    std::copy(row.begin(), row.end(), spread.row(y));
+  }
   for (int level = levels_ - 1; level >= 0; --level) {
     const Plane &light = lights[static_cast<std::size_t>(level)];
     spread = doubled(spread, light.width, light.height);

@@ -119,30 +119,45 @@ Plane halved(const Plane &fine, Beyond beyond) {
 }
 
 Plane halved_smoothly(const float *rows, int width, int height, int margin) {
-  Plane coarse((width + 1) / 2, (height + 1) / 2 + 2 * margin);
+  Plane coarse((width + 1) / 2 + 2 * margin, (height + 1) / 2 + 2 * margin);
   const std::vector<float> nothing(static_cast<std::size_t>(width), 0.0F);
-  std::vector<float> down(static_cast<std::size_t>(width + 4), 0.0F);  // one column before, three beyond
+  // one column before the first that is read, three beyond
+  std::vector<float> down(static_cast<std::size_t>(width + 4 + 4 * margin), 0.0F);
   for (int y = 0; y < coarse.height; ++y) {
     const float *taps[4];
     for (int t = 0; t < 4; ++t) {
       const int row = 2 * (y - margin) + t - 1;
       taps[t] = row >= 0 && row < height ? rows + static_cast<std::ptrdiff_t>(row) * width : nothing.data();
     }
-    smooth_down(taps, width, down.data() + 1);
+    smooth_down(taps, width, down.data() + 1 + 2 * margin);
     smooth_across(down.data(), coarse.width, coarse.row(y));
   }
   return coarse;
 }
 
-Plane doubled(const Plane &coarse, int width, int height, int first_row) {
+std::vector<float> row_or_beyond(const Plane &plane, int y) {
+  const int inside = std::clamp(y, 0, plane.height - 1), step = y < 0 ? -1 : y > inside ? 1 : 0;
+  std::vector<float> row(plane.row(inside), plane.row(inside) + plane.width);
+  if (step == 0 || plane.height == 1) return row;
+  const float *inner = plane.row(inside - step);
+  for (std::size_t x = 0; x < row.size(); ++x) row[x] += row[x] - inner[x];
+  return row;
+}
+
+Plane doubled(const Plane &coarse, int width, int height) {
   Plane fine(width, height);
   const int own = std::min(coarse.width, (width + 1) / 2);
-  std::vector<float> mixed(static_cast<std::size_t>(coarse.width + 2)), row(static_cast<std::size_t>(2 * own));
-  const auto kept = [&](int y) { return coarse.row(std::clamp(y, 0, coarse.height - 1)); };
+  const auto last = static_cast<std::size_t>(coarse.width);
+  std::vector<float> mixed(last + 2), row(static_cast<std::size_t>(2 * own));
+  const std::vector<float> before = row_or_beyond(coarse, -1), beyond = row_or_beyond(coarse, coarse.height);
+  const auto coarse_row = [&](int y) {
+    return y < 0 ? before.data() : y < coarse.height ? coarse.row(y) : beyond.data();
+  };
   for (int y = 0; y < height; ++y) {
-    const int below = first_row + (y + 1) / 2;  // the pair of coarse rows around this fine row
-    mix_rows(kept(below - 1), kept(below), y % 2 ? 0.25F : 0.75F, coarse.width, mixed.data() + 1);
-    mixed.front() = mixed[1], mixed.back() = mixed[static_cast<std::size_t>(coarse.width)];
+    const int below = (y + 1) / 2;  // the pair of coarse rows around this fine row
+    mix_rows(coarse_row(below - 1), coarse_row(below), y % 2 ? 0.25F : 0.75F, coarse.width, mixed.data() + 1);
+    mixed.front() = last > 1 ? 2 * mixed[1] - mixed[2] : mixed[1];
+    mixed.back() = last > 1 ? 2 * mixed[last] - mixed[last - 1] : mixed[last];
     const bool fits = width % 2 == 0 && own == width / 2;
     double_across(mixed.data() + 1, own, fits ? fine.row(y) : row.data());
     if (fits) continue;

@@ -24,15 +24,16 @@ Plane halved(const Plane &fine, Beyond beyond = Beyond::nothing);
 
 /* Half the size by (1 3 3 1)/8 each way: a point of light keeps its place, which a mean of 2x2 would round to the
    middle of the four. Where a size is odd, and around the picture, there is nothing.
-   margin: coarse rows above and below that get their share too; rows: [height][width] */
+   margin: coarse rows and columns around that get their share too; rows: [height][width] */
 Plane halved_smoothly(const float *rows, int width, int height, int margin);
 inline Plane halved_smoothly(const Plane &fine) {
   return halved_smoothly(fine.value.data(), fine.width, fine.height, 0);
 }
 
-/* Bilinear: fine(x, y) = coarse at ((x + 0.5)/2 - 0.5, ..), ends repeated. first_row: row of `coarse` (may be negative,
-   then repeated) whose upper half is the first row of `fine`. */
-Plane doubled(const Plane &coarse, int width, int height, int first_row = 0);
+/// Bilinear: fine(x, y) = coarse at ((x + 0.5)/2 - 0.5, ..); beyond the ends as straight on as before them.
+Plane doubled(const Plane &coarse, int width, int height);
+/// A row; the one before the first or beyond the last lies as far on as the one before it.
+std::vector<float> row_or_beyond(const Plane &plane, int y);
 
 /// out += weight x (in convolved with a Gaussian of this variance [pixels^2], normalised); zero beyond the edges.
 /// errors: blur_radius above 8 -> std::invalid_argument

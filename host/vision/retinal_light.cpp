@@ -58,10 +58,11 @@ void RetinalLight::scatter_cells(const RetinalLightOptions &options) {
         light.row(y)[x] -= around * survey_.smooth_down[static_cast<std::size_t>(y)] *
                            survey_.smooth_across[static_cast<std::size_t>(x)];
     veils_[c] = filter_->veil(light);
-    for (std::size_t i = 0; i < light.value.size(); ++i) {
-      float &cell = cells_[c].value[i];
-      cell = std::max(0.0F, around + kept * (cell - around) + veils_[c].value[i]);
-    }
+    for (int y = 0; y < cells_[c].height; ++y)
+      for (int x = 0; x < cells_[c].width; ++x) {
+        float &cell = cells_[c].row(y)[x];
+        cell = std::max(0.0F, around + kept * (cell - around) + veils_[c].row(y + 1)[x + 1]);
+      }
   });
 }
 
@@ -74,8 +75,9 @@ Planes RetinalLight::band(int first, int last, int beyond, std::size_t planes) c
   if (!store_.in_memory()) store_.load(inside_top, inside_bottom - inside_top, loaded);
   Planes band;
   for (std::size_t c = 0; c < planes; ++c) {
-    Plane light(width, bottom - top, filter_ ? 0.0F : surround_[c]);
-    fill(c, inside_top, inside_bottom, loaded, top, light);
+    const int frame = filter_ ? cell : 0;
+    Plane light(width + 2 * frame, bottom - top, filter_ ? 0.0F : surround_[c]);
+    fill(c, inside_top, inside_bottom, loaded, top, frame, light);
     if (!filter_) {
       band.push_back(std::move(light));
       continue;
@@ -83,7 +85,8 @@ Planes RetinalLight::band(int first, int last, int beyond, std::size_t planes) c
     const Plane spread = filter_->spread(light, top, veils_[c]);
     light = {};
     Plane seen(width, rows);
-    add_level(spread.row(halo), surround_[c], seen.value.size(), seen.value.data());
+    for (int y = 0; y < rows; ++y)
+      add_level(spread.row(halo + y) + cell, surround_[c], static_cast<std::size_t>(width), seen.row(y));
     band.push_back(std::move(seen));
   }
   return band;
@@ -91,14 +94,14 @@ Planes RetinalLight::band(int first, int last, int beyond, std::size_t planes) c
 
 /// With glare, differences to the light around, which is 0 outside the picture; else the light as it is, to the bit.
 void RetinalLight::fill(std::size_t plane, int inside_top, int inside_bottom, const std::vector<float> &loaded, int top,
-                        Plane &light) const {
+                        int left, Plane &light) const {
   const auto width = static_cast<std::size_t>(width_), rows = static_cast<std::size_t>(inside_bottom - inside_top);
   for (int y = inside_top; y < inside_bottom; ++y) {
     const float *from = store_.in_memory()
                             ? store_.row(plane, y)
                             : loaded.data() + (plane * rows + static_cast<std::size_t>(y - inside_top)) * width;
-    if (filter_) subtract_from_row(from, surround_[plane], width, light.row(y - top));
-    else std::copy_n(from, width, light.row(y - top));
+    if (filter_) subtract_from_row(from, surround_[plane], width, light.row(y - top) + left);
+    else std::copy_n(from, width, light.row(y - top) + left);
   }
 }
 

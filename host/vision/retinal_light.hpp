@@ -37,7 +37,7 @@ class RetinalLight {
 
  private:
   void scatter_cells(const RetinalLightOptions &options);
-  void fill(std::size_t plane, int inside_top, int inside_bottom, const std::vector<float> &loaded, int top,
+  void fill(std::size_t plane, int inside_top, int inside_bottom, const std::vector<float> &loaded, int top, int left,
             Plane &light) const;
 
   LightStore &store_;

@@ -47,19 +47,19 @@ std::vector<std::vector<int>> scatter(int width, int height, std::size_t count) 
   return columns;
 }
 
-/// A line of ones, halved smoothly. margin: zeros around it, a multiple of a cell, of which the result is freed again.
-std::vector<float> smooth_ones(int size, int levels, int margin) {
-  std::vector<double> line(static_cast<std::size_t>(size + 2 * margin), 0.0);
-  std::fill_n(line.begin() + margin, size, 1.0);
+/// A line of ones, halved smoothly, with a cell more on either side.
+std::vector<float> smooth_ones(int size, int levels) {
+  const int cell = 1 << levels;
+  std::vector<double> line(static_cast<std::size_t>((size + cell - 1) / cell * cell + 2 * cell), 0.0);
+  std::fill_n(line.begin() + cell, size, 1.0);
   for (int level = 0; level < levels; ++level) {
-    std::vector<double> coarse((line.size() + 1) / 2);
+    std::vector<double> coarse(line.size() / 2);
     const auto at = [&line](std::size_t i) { return i < line.size() ? line[i] : 0.0; };
     for (std::size_t i = 0; i < coarse.size(); ++i)
       coarse[i] = 0.125 * ((i > 0 ? at(2 * i - 1) : 0.0) + at(2 * i + 2)) + 0.375 * (at(2 * i) + at(2 * i + 1));
     line = coarse;
   }
-  const std::ptrdiff_t cut = margin >> levels;
-  return {line.begin() + cut, line.end() - cut};
+  return {line.begin(), line.end()};
 }
 
 GREENRAY_VECTOR_CLONES void add_values(const float *from, std::size_t count, float *to) {
@@ -96,9 +96,9 @@ class Surveyor {
     const int cell = 1 << survey_.levels;
     const int w = (width_ + cell - 1) / cell, h = (height_ + cell - 1) / cell;
     survey_.cells.assign(store.converter().planes(), Plane(w, h));
-    if (smooth) survey_.smooth.assign(store.converter().planes(), Plane(w, h));
-    survey_.smooth_across = smooth_ones(width_, survey_.levels, 0);
-    survey_.smooth_down = smooth_ones(height_, survey_.levels, cell);
+    if (smooth) survey_.smooth.assign(store.converter().planes(), Plane(w + 2, h + 2));
+    survey_.smooth_across = smooth_ones(width_, survey_.levels);
+    survey_.smooth_down = smooth_ones(height_, survey_.levels);
     std::size_t count = 0;
     for (const auto &row : columns_) first_point_.push_back(count), count += row.size();
     survey_.points.resize(count);
@@ -172,15 +172,14 @@ class Surveyor {
     for (std::size_t c = 0; c < survey_.smooth.size(); ++c) {
       Plane &cells = survey_.smooth[c];
       const float *values = light.data() + c * count;
-      if (survey_.levels == 0) {
-        std::copy_n(values, count, cells.row(first));
-        continue;
-      }
-      Plane share = halved_smoothly(values, width_, rows, cell / 2);
+      Plane share(width_ + 2, rows + 2);
+      if (survey_.levels > 0) share = halved_smoothly(values, width_, rows, cell / 2);
+      else
+        for (int y = 0; y < rows; ++y) std::copy_n(values + y * width_, width_, share.row(y + 1) + 1);
       for (int level = 1; level < survey_.levels; ++level) share = halved_smoothly(share);
-      const int top = first / cell - 1;
+      const int top = first / cell;  // in the frame
       const std::lock_guard<std::mutex> guard(lock_);
-      for (int y = std::max(0, -top); y < std::min(share.height, cells.height - top); ++y)
+      for (int y = 0; y < std::min(share.height, cells.height - top); ++y)
         add_values(share.row(y), static_cast<std::size_t>(cells.width), cells.row(top + y));
     }
   }

@@ -20,10 +20,11 @@ ViewGeometry view_geometry(int width, int height, std::optional<double> fov_deg,
 struct Survey {
   int levels = 0;  // a cell is 2^levels x 2^levels pixels
   Planes cells;    // [light plane]: means over the pixels of a cell that lie in the picture
-  Planes smooth;   // [light plane]: the cells again, each a smooth mean that takes from its neighbours, so that
-                   // a light between two cells is shared by them: halved_smoothly, nothing outside
-  std::vector<float> smooth_across,
-      smooth_down;            // what a picture of 1 has there: the product of a column's and a row's
+  /* [light plane]: the cells again, each a smooth mean that takes from its neighbours, so that a light between two
+     cells is shared by them (halved_smoothly, nothing outside), with a frame of one cell around. What a picture of 1
+     has there is the product of a column's value and a row's. */
+  Planes smooth;
+  std::vector<float> smooth_across, smooth_down;
   std::vector<float> points;  // luminance of single pixels, evenly scattered (R2 sequence), always the same ones
   LightFaults faults;
   float least_cd_m2 = 0, most_cd_m2 = 0;
