@@ -222,17 +222,15 @@ std::vector<double> heights_on_path(const AirTable &table, const Start &start, d
   std::vector<double> heights;
   for (int i = 0; i < 20000 && heights.size() < 16; ++i) {
     const surface64::AirSlab slab = surface64::air_slab(&air, row, layer);
-    const double z = climb.z;
-    double rise = 0, bend = 0;
-    int edge = 0;
-    const double bottom = layer > 0 ? slab.layer.bottom_m : -huge_m;
-    const double part = surface64::climb_arc(&slab, bottom, slab.top_m, 17 * step - sigma, &climb, &rise, &bend, &edge);
-    while (heights.size() < 16 && step * static_cast<double>(heights.size() + 1) <= sigma + part) {
+    const double z = climb.z, bottom = layer > 0 ? slab.layer.bottom_m : -huge_m;
+    const surface64::Rise r = surface64::next_rise(&slab, bottom, slab.top_m, 17 * step - sigma, climb);
+    climb = r.end;
+    while (heights.size() < 16 && step * static_cast<double>(heights.size() + 1) <= sigma + r.sigma) {
       const double along = step * static_cast<double>(heights.size() + 1) - sigma;
-      heights.push_back(z + (rise + bend * along) * along);
+      heights.push_back(z + (r.rise + r.bend * along) * along);
     }
-    sigma += part;
-    layer += edge;
+    sigma += r.sigma;
+    layer += r.step;
   }
   heights.resize(16, climb.z);
   return heights;

@@ -21,8 +21,8 @@ DEVICE RandomWords photon_words(unsigned int seed, unsigned int pass, unsigned i
 DEVICE Vec3 sample_circle(scalar v) {
   const int quadrant = (int)(R(4) * v + R(0.5));
   const scalar r = v - R(0.25) * (scalar)quadrant, r2 = r * r;
-  const scalar sine =
-      r * (R(6.28318528784011) + r2 * (R(-41.34166260181872) + r2 * (R(81.59254820670054) + r2 * R(-75.40184030835883))));
+  const scalar sine = r * (R(6.28318528784011) +
+                           r2 * (R(-41.34166260181872) + r2 * (R(81.59254820670054) + r2 * R(-75.40184030835883))));
   const scalar cosine =
       R(1) + r2 * (R(-19.739208650244166) +
                    r2 * (R(64.93931617205108) + r2 * (R(-85.44284839440968) + r2 * R(59.22028804138108))));

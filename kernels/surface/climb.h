@@ -57,37 +57,80 @@ DEVICE void parabola_between(Climb begin, Climb end, scalar sigma, scalar *rise,
   *rise = (end.z - begin.z) * inverse - turn;
 }
 
-/* One arc within a layer, up to `most` or the layer's edge.
-   begin: moved to the arc's end;  step: as of ClimbExit, 0 if it ends inside;  returns: its length in sigma */
-DEVICE scalar climb_arc(const AirSlab *slab, scalar bottom, scalar top, scalar most, Climb *begin, scalar *rise,
-                        scalar *bend, int *step) {
-  const scalar lift = lift_at(slab, begin->z), slope = scalar_root(scalar_magnitude(begin->p));
-  scalar sigma = scalar_smaller(most, slab->layer.level_step);
-  if (sigma * scalar_root(slope) > slab->layer.steep_step) sigma = slab->layer.steep_step / scalar_root(slope);
-  Climb end = climb_on(slab, *begin, lift, sigma);
+/* One arc of a path: from where it begins, over `sigma`, to where the path then is. */
+typedef struct Rise {
+  scalar sigma, rise, bend; /* z = z0 + rise sigma + bend sigma^2 */
+  Climb end;
+  int step; /* as of ClimbExit; 0 if it ends inside the layer */
+} Rise;
+
+/* Onto an edge that a step of a little more or less than its own would reach. */
+DEVICE void land_on_edge(const AirSlab *slab, scalar edge, scalar more, Climb begin, Rise *r) {
+  r->sigma += more;
+  r->end.p += more * lift_at(slab, edge);
+  r->end.z = edge;
+  if (r->end.p * (scalar)r->step < R(0)) r->end.p = R(0);
+  if (r->sigma > R(0)) parabola_between(begin, r->end, r->sigma, &r->rise, &r->bend);
+}
+
+/* Where the layer is bent unevenly: the step first, and what its own parabola says of the edges. */
+DEVICE Rise rise_carefully(const AirSlab *slab, scalar bottom, scalar top, scalar most, Climb begin, scalar lift) {
+  Rise r;
+  r.sigma = most;
+  r.step = 0;
+  r.end = climb_on(slab, begin, lift, most);
+  parabola_between(begin, r.end, most, &r.rise, &r.bend);
+  const ClimbExit leaving = leave_layer(r.rise, r.bend, top - begin.z, bottom - begin.z);
+  if (leaving.step == 0 || leaving.sigma > most) return r;
+  const scalar edge = leaving.step > 0 ? top : bottom;
+  r.sigma = leaving.sigma;
+  r.step = leaving.step;
+  r.end = climb_on(slab, begin, lift, r.sigma);
+  const scalar missed = (edge - r.end.z) / r.end.p;
+  land_on_edge(slab, edge, scalar_magnitude(missed) < R(0.1) * r.sigma ? missed : R(0), begin, &r);
+  return r;
+}
+
+/* Is the path between the edges all along its arc? */
+DEVICE int stays_inside(const Rise *r, Climb begin, scalar bottom, scalar top) {
+  if (!(r->end.z > bottom && r->end.z < top)) return 0;
+  if (begin.p * r->end.p > R(0)) return 1;
+  const scalar turn = begin.z - R(0.25) * r->rise * r->rise / r->bend;
+  return turn > bottom && turn < top;
+}
+
+/* The next arc within a layer, up to `most` or the layer's edge. */
+DEVICE Rise next_rise(const AirSlab *slab, scalar bottom, scalar top, scalar most, Climb begin) {
+  Rise r;
+  const scalar lift = lift_at(slab, begin.z);
+  r.rise = begin.p;
+  r.bend = R(0.5) * lift;
+  const ClimbExit leaving = leave_layer(begin.p, r.bend, top - begin.z, bottom - begin.z);
+  r.sigma = most;
+  if (!slab->layer.linear) {
+    r.sigma = scalar_smaller(most, slab->layer.level_step);
+    const scalar slope = scalar_root(scalar_root(scalar_magnitude(begin.p)));
+    if (r.sigma * slope > slab->layer.steep_step) r.sigma = slab->layer.steep_step / slope;
+  }
+  most = r.sigma;
+  r.step = leaving.sigma <= most ? leaving.step : 0;
+  if (r.step != 0) r.sigma = leaving.sigma;
+  r.end = climb_on(slab, begin, lift, r.sigma);
+  const scalar edge = r.step > 0 ? top : bottom;
   if (slab->layer.linear) {
-    *rise = begin->p;
-    *bend = R(0.5) * lift;
-  } else {
-    parabola_between(*begin, end, sigma, rise, bend);
+    if (r.step == 0) return r;
+    r.end.z = edge;
+    if (r.end.p * (scalar)r.step < R(0)) r.end.p = R(0);
+    return r;
   }
-  const ClimbExit leaving = leave_layer(*rise, *bend, top - begin->z, bottom - begin->z);
-  *step = 0;
-  if (leaving.step != 0 && leaving.sigma <= sigma) {
-    sigma = leaving.sigma;
-    *step = leaving.step;
-    end = climb_on(slab, *begin, lift, sigma);
-    const scalar edge = leaving.step > 0 ? top : bottom, missed = (edge - end.z) / end.p;
-    if (!slab->layer.linear && scalar_magnitude(missed) < R(0.1) * sigma) {
-      sigma += missed;
-      end.p += missed * lift_at(slab, edge);
-    }
-    end.z = edge;
-    if (end.p * (scalar)leaving.step < R(0)) end.p = R(0);
-    if (!slab->layer.linear && sigma > R(0)) parabola_between(*begin, end, sigma, rise, bend);
+  if (r.step != 0) {
+    const scalar missed = (edge - r.end.z) / r.end.p;
+    if (!(scalar_magnitude(missed) < R(0.03) * r.sigma)) return rise_carefully(slab, bottom, top, most, begin, lift);
+    land_on_edge(slab, edge, missed, begin, &r);
+    return r;
   }
-  *begin = end;
-  return sigma;
+  parabola_between(begin, r.end, r.sigma, &r.rise, &r.bend);
+  return stays_inside(&r, begin, bottom, top) ? r : rise_carefully(slab, bottom, top, most, begin, lift);
 }
 
 #endif

@@ -37,6 +37,7 @@ typedef struct Path {
   Vec3 momentum;
   int row;          /* of the air's table: which wavelength */
   int inside_glass; /* 1: the path is straight and its momentum's length is the glass's n */
+  int measured;     /* 1: its length is asked for, though nothing is absorbed on the way */
 } Path;
 
 typedef struct SurfaceHit {
@@ -45,7 +46,7 @@ typedef struct SurfaceHit {
   Vec3 place;          /* on the surface [m] */
   Vec3 normal;         /* unit, the surface's own side (not turned towards the path) */
   Vec3 momentum;       /* n times the direction of arrival: n^2 = dot(momentum, momentum) for basic radiance L/n^2 */
-  scalar path_m;       /* length along the curve */
+  scalar path_m;       /* length along the curve, if measured or needed */
   scalar transmission; /* of power, through the medium on the way */
 } SurfaceHit;
 

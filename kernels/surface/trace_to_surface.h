@@ -38,15 +38,16 @@ DEVICE void put_on_surface(const Geometry *g, SurfaceHit *hit) {
 }
 
 #if AIR_IS_CURVED
-/* ds = |p| dsigma along the first `part` of an arc by Simpson's rule. */
+/* ds = |p| dsigma along the first `part` of an arc by Gauss's rule of two points. */
 DEVICE scalar arc_length(const Arc *arc, scalar part) {
-  const scalar middle = length3(momentum_on(arc, R(0.5) * part)), last = length3(momentum_on(arc, part));
-  return part * (length3(arc->momentum) + R(4) * middle + last) * R(1.0 / 6);
+  const Vec3 first = momentum_on(arc, R(0.211324865405187) * part),
+             second = momentum_on(arc, R(0.788675134594813) * part);
+  return R(0.5) * part * (length3(first) + length3(second));
 }
 #endif
 
 /* Looks for a surface on the chain. returns: 1 if one was met; else hit is where the chain ends */
-DEVICE int follow_chain(const Geometry *g, const Chain *chain, SurfaceHit *hit) {
+DEVICE int follow_chain(const Geometry *g, const Chain *chain, int measured, SurfaceHit *hit) {
   Nearest nearest = nothing_before(chain->end);
   find_nearest(g, chain, &nearest);
   const int is_met = nearest.primitive != NO_PRIMITIVE, number = is_met ? nearest.arc : chain->arcs - 1;
@@ -58,12 +59,15 @@ DEVICE int follow_chain(const Geometry *g, const Chain *chain, SurfaceHit *hit) 
   hit->place = place_on(arc, part);
   hit->momentum = momentum_on(arc, part);
 #if AIR_IS_CURVED
-  for (int i = 0; i < number; ++i)
-    hit->path_m += arc_length(&chain->arc[i], chain->arc[i + 1].start - chain->arc[i].start);
-  hit->path_m += arc_length(arc, part);
+  if (measured) {
+    for (int i = 0; i < number; ++i)
+      hit->path_m += arc_length(&chain->arc[i], chain->arc[i + 1].start - chain->arc[i].start);
+    hit->path_m += arc_length(arc, part);
+  }
   const scalar t = part / arc->end;
   hit->momentum.z += arc->lag * (R(1) - R(6) * t * (R(1) - t));
 #else
+  (void)measured;
   hit->path_m += part * length3(arc->momentum);
 #endif
   return is_met;
@@ -83,7 +87,7 @@ DEVICE int follow_straight(const Geometry *g, const Path *path, SurfaceHit *hit)
   chain.arcs = 1;
   chain.from = R(0);
   chain.end = arc->end;
-  return follow_chain(g, &chain, hit) ? PATH_SURFACE : PATH_ESCAPED;
+  return follow_chain(g, &chain, 1, hit) ? PATH_SURFACE : PATH_ESCAPED;
 }
 
 #if AIR_IS_CURVED
@@ -125,7 +129,12 @@ DEVICE void add_arc(const Geometry *g, const Air *air, Vec3 place, Vec3 momentum
   arc->momentum = momentum;
   int step = 0;
   if (way->stalls < 2) {
-    arc->end = climb_arc(&way->slab, bottom, top, most, &way->climb, &arc->momentum.z, &arc->bend, &step);
+    const Rise r = next_rise(&way->slab, bottom, top, most, way->climb);
+    way->climb = r.end;
+    step = r.step;
+    arc->end = r.sigma;
+    arc->momentum.z = r.rise;
+    arc->bend = r.bend;
   } else { /* caught on the edge of two layers that both bend towards it: along it */
     arc->end = scalar_smaller(most, way->slab.layer.level_step);
     arc->momentum.z = arc->bend = way->climb.p = R(0);
@@ -176,11 +185,12 @@ DEVICE int follow_curve(const Geometry *g, const Air *air, const Path *path, Sur
   way.row = path->row;
   way.stalls = way.arcs = 0;
   enter_layer(air, find_air_layer(air, path->place.z), &way);
+  const int measured = path->measured || air->shape.extinction_per_m != R(0);
   Vec3 place = path->place, momentum = path->momentum;
   while (way.arcs < MOST_PATH_ARCS) {
     Chain chain;
     const int goes_on = next_chain(g, air, place, momentum, &way, &chain);
-    if (chain.arcs > 0 && follow_chain(g, &chain, hit)) return PATH_SURFACE;
+    if (chain.arcs > 0 && follow_chain(g, &chain, measured, hit)) return PATH_SURFACE;
     if (!goes_on) return PATH_ESCAPED;
     if (chain.arcs == 0) continue;
     place = along(place, chain.length, momentum);
