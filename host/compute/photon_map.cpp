@@ -10,8 +10,8 @@
 namespace greenray {
 namespace {
 
-// Of a chunk and of what it is dealt into, half a megabyte each: second-level caches keep one of them, the third both.
-constexpr std::size_t most_of_chunk = 16384, least_of_chunk = 1024;
+// A chunk and what it is dealt into fit the third-level cache of a core (2 MB); pieces of buckets in it are then long.
+constexpr std::size_t most_of_chunk = 32768, least_of_chunk = 1024;
 constexpr std::size_t photons_of_bucket = 3000, most_buckets = 2048;  // so many fit a second-level cache thrice
 
 std::size_t room(std::size_t photons) { return std::max<std::size_t>(photons, 1); }

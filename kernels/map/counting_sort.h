@@ -27,6 +27,21 @@ typedef struct MovedPhoton {
   float power_W[2]; /* WAVES <= 2; of more wavelengths it stays with the record */
 } MovedPhoton;
 
+/* In one store: stores that wait for their cache lines are what dealing costs. */
+DEVICE void move_photon(GLOBAL MovedPhoton *to, GLOBAL const Photon *from, int index, int cell, const float *power) {
+#ifdef __OPENCL_C_VERSION__
+  const uint8 words = (uint8)(as_uint(from->place_m[0]), as_uint(from->place_m[1]), as_uint(from->place_m[2]),
+                              (uint)index, from->normal, (uint)cell, as_uint(power[0]), as_uint(power[1]));
+  vstore8(words, 0, (GLOBAL uint *)to);
+#else
+  *to = MovedPhoton{{from->place_m[0], from->place_m[1], from->place_m[2]},
+                    (unsigned)index,
+                    from->normal,
+                    cell,
+                    {power[0], power[1]}};
+#endif
+}
+
 /* Whether the photons of a chunk stand in the order of (id, bounce), empty slots apart. */
 typedef struct ChunkOrder {
   unsigned int first_id, first_bounce, last_id, last_bounce;
@@ -99,15 +114,11 @@ DEVICE ChunkOrder deal_chunk(const SortPlan *plan, const PhotonGrid *grid, GLOBA
     const int cell = cells[i];
     if (cell == plan->cells) continue;
     const int to = start[(cell >> plan->shift) + 1]++;
-    moved[to].place_m[0] = photons[i].place_m[0];
-    moved[to].place_m[1] = photons[i].place_m[1];
-    moved[to].place_m[2] = photons[i].place_m[2];
-    moved[to].index = (unsigned int)i;
-    moved[to].normal = photons[i].normal;
-    moved[to].cell = cell;
+    float power[2] = {0, 0};
 #if WAVES <= 2
-    for (int w = 0; w < WAVES; ++w) moved[to].power_W[w] = power_W[i * WAVES + w];
+    for (int w = 0; w < WAVES; ++w) power[w] = power_W[i * WAVES + w];
 #endif
+    move_photon(moved + to, photons + i, i, cell, power);
   }
   return order;
 }
