@@ -216,12 +216,12 @@ std::vector<double> heights_on_path(const AirTable &table, const Start &start, d
   const int row = static_cast<int>(table.wavelength_nm.size() / 2);
   int layer = surface64::find_air_layer(&air, start.height_m);
   const double n = std::sqrt(surface64::air_index2(&air, row, start.height_m));
-  surface64::Climb climb{start.height_m, n * std::sin(start.elevation_rad)};
+  surface64::AirSlab slab = surface64::air_slab(&air, row, layer);
+  surface64::Climb climb{start.height_m, n * std::sin(start.elevation_rad), surface64::lift_at(&slab, start.height_m)};
   const double step = length_m / n / 16;
   double sigma = 0;
   std::vector<double> heights;
   for (int i = 0; i < 20000 && heights.size() < 16; ++i) {
-    const surface64::AirSlab slab = surface64::air_slab(&air, row, layer);
     const double z = climb.z, bottom = layer > 0 ? slab.layer.bottom_m : -huge_m;
     const surface64::Rise r = surface64::next_rise(&slab, bottom, slab.top_m, 17 * step - sigma, climb);
     climb = r.end;
@@ -230,7 +230,10 @@ std::vector<double> heights_on_path(const AirTable &table, const Start &start, d
       heights.push_back(z + (r.rise + r.bend * along) * along);
     }
     sigma += r.sigma;
+    if (r.step == 0) continue;
     layer += r.step;
+    slab = surface64::air_slab(&air, row, layer);
+    climb.lift = surface64::lift_at(&slab, climb.z);
   }
   heights.resize(16, climb.z);
   return heights;

@@ -116,8 +116,9 @@ DEVICE BoxRay box_ray(const Chain *c, scalar slack) {
 }
 
 /* Which of LANES boxes the chain may meet between from and until: never misses one.
-   box: boxes of a node, moved on by whole groups of LANES;  enter: sigma before which it does not meet them */
-DEVICE int meet_boxes(GLOBAL const scalar *box, const BoxRay *r, scalar from, scalar until, real *enter) {
+   box: boxes of a node, moved on by whole groups of LANES;  enter, leave: sigma before and after which it does not meet
+   them */
+DEVICE int meet_boxes(GLOBAL const scalar *box, const BoxRay *r, scalar from, scalar until, real *enter, real *leave) {
   const real near_x = (load_lanes(box + r->near_x) - r->place.x) * r->inverse.x;
   const real far_x = (load_lanes(box + (3 * NODE_WIDTH - r->near_x)) - r->place.x) * r->inverse.x;
   const real near_y = (load_lanes(box + r->near_y) - r->place.y) * r->inverse.y;
@@ -134,6 +135,7 @@ DEVICE int meet_boxes(GLOBAL const scalar *box, const BoxRay *r, scalar from, sc
   /* 3 roundings of each of the two ends: Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013 */
   const real last = smaller(smaller(far_x, far_y), smaller(far_z, SPREAD(until))) * R(1.0000005);
   *enter = first;
+  *leave = last;
   return lane_bits(first <= last);
 }
 

@@ -104,7 +104,9 @@ typedef struct Way {
 
 DEVICE void enter_layer(const Air *air, int layer, Way *way) {
   way->layer = layer;
-  if (layer >= 0 && layer < air->shape.layers) way->slab = air_slab(air, way->row, layer);
+  if (layer < 0 || layer >= air->shape.layers) return;
+  way->slab = air_slab(air, way->row, layer);
+  way->climb.lift = lift_at(&way->slab, way->climb.z);
 }
 
 /* Above (below) the scene in the endless uppermost (lowest) layer, or beyond it, for good. */

@@ -8,19 +8,26 @@ DEVICE void meet_leaf(const Geometry *g, int leaf, const Arc *arc, int number, N
   }
 }
 
-/* Only arcs that are not over before the chain reaches the leaf's box, and begin before what was met so far. */
-DEVICE void meet_leaf_by_chain(const Geometry *g, int leaf, const Chain *chain, scalar enter, Nearest *nearest) {
+#if AIR_IS_CURVED
+/* Only arcs that are not over before the chain enters the leaf's box, and begin before it leaves it and before what was
+   met so far. */
+DEVICE void meet_leaf_by_chain(const Geometry *g, int leaf, const Chain *chain, scalar enter, scalar leave,
+                               Nearest *nearest) {
   for (int i = 0; i < chain->arcs; ++i) {
     const Arc *arc = &chain->arc[i];
-    if (arc->start + arc->from > nearest->sigma) return;
+    if (i > 0 && arc->start + arc->from > scalar_smaller(leave, nearest->sigma)) return;
     if (i + 1 < chain->arcs && arc->start + arc->end < enter) continue;
     meet_leaf(g, leaf, arc, i, nearest);
   }
 }
+#endif
 
 typedef struct TreeStack {
   int child[TREE_STACK];
   scalar enter[TREE_STACK]; /* sigma */
+#if AIR_IS_CURVED
+  scalar leave[TREE_STACK];
+#endif
   int top;
 } TreeStack;
 
@@ -30,8 +37,8 @@ DEVICE void open_node(const Geometry *g, int node, const BoxRay *ray, scalar fro
   GLOBAL const int *children = g->children + node * NODE_WIDTH;
   const int bottom = stack->top;
   for (int k = 0; k < NODE_WIDTH; k += LANES) {
-    real enter;
-    int bits = meet_boxes(box + k, ray, from, until, &enter);
+    real enter, leave;
+    int bits = meet_boxes(box + k, ray, from, until, &enter, &leave);
     for (; bits != 0; bits &= bits - 1) {
       const int i = lowest_bit(bits);
       const scalar at = LANE(enter, i);
@@ -41,9 +48,15 @@ DEVICE void open_node(const Geometry *g, int node, const BoxRay *ray, scalar fro
       if (swap) {
         stack->child[stack->top] = stack->child[place];
         stack->enter[stack->top] = stack->enter[place];
+#if AIR_IS_CURVED
+        stack->leave[stack->top] = stack->leave[place];
+#endif
       }
       stack->child[place] = child;
       stack->enter[place] = at;
+#if AIR_IS_CURVED
+      stack->leave[place] = LANE(leave, i);
+#endif
       ++stack->top;
     }
   }
@@ -62,6 +75,10 @@ DEVICE void find_nearest(const Geometry *g, const Chain *chain, Nearest *nearest
     if (enter > nearest->sigma) continue;
     const int child = stack.child[stack.top];
     if (child >= 0) open_node(g, child, &ray, chain->from, nearest->sigma, &stack);
-    else meet_leaf_by_chain(g, child, chain, enter, nearest);
+#if AIR_IS_CURVED
+    else meet_leaf_by_chain(g, child, chain, enter, stack.leave[stack.top], nearest);
+#else
+    else meet_leaf(g, child, &chain->arc[0], 0, nearest);
+#endif
   }
 }
