@@ -22,19 +22,7 @@ constexpr int passes_before_stopping = 4;  // the noise from pass to pass is not
 
 /// Do wavelengths part on the way through the medium by more than a two-hundredth of the scene? bend, averaged over the
 /// heights, times the square of the way.
-bool medium_disperses(const AirTable &air, double reach_m) {
-  double parting = 0, height_m = 0;
-  for (std::size_t c = 1; c + 1 < air.cells; ++c) {
-    double low = 1e300, high = -1e300;
-    for (std::size_t w = 0; w < air.wavelength_nm.size(); ++w) {
-      const double bend = air.rows[w * air.cells + c].bend;
-      low = std::min(low, bend), high = std::max(high, bend);
-    }
-    const double thickness_m = air.rows[c + 1].bottom_m - air.rows[c].bottom_m;
-    parting += (high - low) * thickness_m, height_m += thickness_m;
-  }
-  return height_m > 0 && parting / height_m * reach_m > 5e-3;
-}
+bool medium_disperses(const AirTable &air, double reach_m) { return air.parting_per_m() * reach_m > 5e-3; }
 
 /// The state of one render.
 class Room {
