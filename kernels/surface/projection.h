@@ -40,6 +40,7 @@ DEVICE void leave_light(const Geometry *g, const Air *air, const Looks *looks, i
   emit_photon(g, looks, light, place, aim, &path->place, &direction);
   path->row = b->hero;
   path->inside_glass = 0;
+  path->measured = 0;
   path->momentum = times(direction, scalar_root(air_index2(air, b->hero, path->place.z)));
 }
 
