@@ -1,5 +1,6 @@
 #include "cli/room_command.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <iomanip>
@@ -85,9 +86,19 @@ void print_summary(const RoomReport &r, double total) {
   std::cout << std::setprecision(4) << "compile  kernels " << r.compile_seconds << " s\n"
             << "done     " << total << " s: photons " << r.emit_seconds << " ("
             << static_cast<double>(p.photons) / std::max(r.emit_seconds, 1e-9) / 1e6 << " M/s), map " << r.map_seconds
-            << ", gather " << r.gather_seconds << " (edges " << r.cover_seconds << ")" << ", eye " << r.eye_seconds << "\n         stored " << p.stored[0]
-            << " diffuse, " << p.stored[1] << " caustic; noise " << 100 * r.noise_rms << " %, bias " << 100 * r.bias
-            << " %, medium " << r.air_cells << " cells good to " << 1000 * r.table_error_m << " mm\n";
+            << ", gather " << r.gather_seconds << " (edges " << r.cover_seconds << ")"
+            << ", eye " << r.eye_seconds << "\n         stored " << p.stored[0] << " diffuse, " << p.stored[1]
+            << " caustic; noise " << 100 * r.noise_rms << " %, bias " << 100 * r.bias << " %, medium " << r.air_cells
+            << " cells good to " << 1000 * r.table_error_m << " mm\n";
+}
+
+/// output.aovs says which channels go into the file; left out, all do.
+void keep_channels(const std::vector<std::string> &aovs, SpectralImage &image) {
+  if (aovs.empty()) return;
+  std::erase_if(image.channels, [&](const auto &channel) {
+    const std::string word = channel.first == "depth_m" ? "depth" : channel.first;
+    return std::find(aovs.begin(), aovs.end(), word) == aovs.end();
+  });
 }
 
 }  // namespace
@@ -106,12 +117,13 @@ std::optional<int> render_room_scene(const Arguments &a) {
   Progress progress(quiet ? Progress::Style::quiet : json ? Progress::Style::json : Progress::Style::text);
   if (!quiet && !json) print_header(scene, options, *device);
   options.progress = [&](const std::string &phase, double fraction) { progress.show(phase, fraction, 0); };
-  const RoomPicture picture = render_room(scene, options, device);
+  RoomPicture picture = render_room(scene, options, device);
   progress.end();
 
   const auto develop_begin = Clock::now();
   const CameraPicture camera = develop_camera(rgb_from_spectral(picture.image), {scene.eye.exposure_ev, 8, true});
   const double develop_seconds = seconds_since(develop_begin);
+  keep_channels(scene.aovs, picture.image);
   AtomicFileSet files;
   write_exr(files.add(exr), picture.image, attributes_of(scene, options, *device), {scene.output.spectral});
   write_png(files.add(fs::path(exr).replace_extension(".png")), camera.pixels);

@@ -73,6 +73,8 @@ class RoomTracer {
   /// camera.width * rows * samples paths
   EyeBand see(const room_twin::EyeCamera &camera);
   double eye_seconds() const;
+  /// Paths to their next surface, as in SurfaceScene.
+  std::vector<surface32::PathEnd> trace(std::span<const surface32::PathStart> starts);
   /// Which part of the disc of each gather is surface that photons could land on (kernels/surface/cover.h).
   /// height: over the radius; facing: cosine, as in GatherSettings
   std::vector<room_twin::Cover> cover(std::span<const GatherPoint> points, std::span<const float> radius_m,

@@ -28,7 +28,8 @@ struct RoomReport {
   double bias = 0;           // relative: what kernels of half the area see differently, in blocks of 8x8 pixels
   int passes = 0, spp = 0;
   double build_seconds = 0, emit_seconds = 0, map_seconds = 0, gather_seconds = 0, eye_seconds = 0, compile_seconds = 0;
-  double cover_seconds = 0;  // part of gather_seconds
+  double table_arcsec = 0, solver_arcsec = 0;  // of directions (render/room_error.hpp)
+  double cover_seconds = 0;                    // part of gather_seconds
 };
 
 struct RoomPicture {
