@@ -17,7 +17,7 @@ struct LandedPhotons {
 };
 
 inline LandedPhotons land_photons(const RoomScene &scene, std::uint32_t photons, bool straight = false,
-                                  std::uint32_t seed = 1) {
+                                  std::uint32_t seed = 1, int chunk = 64) {
   const auto device = shared_device();
   RoomLooks looks = room_looks(scene);
   const AirTable air = room_air(scene, looks.wavelength_nm, straight);
@@ -25,9 +25,10 @@ inline LandedPhotons land_photons(const RoomScene &scene, std::uint32_t photons,
   share_photons(looks, photons);
   RoomTracer tracer(device, tree, air, looks);
   PhotonBatch batch;
-  batch.seed = seed, batch.photons = photons, batch.chunk = 64, batch.most_bounces = scene.photons.most_bounces;
-  batch.slots = {64 * 4, 64 * 4};
-  const std::size_t records = batch.chunks() * 64 * 4;
+  batch.seed = seed, batch.photons = photons, batch.chunk = chunk, batch.most_bounces = scene.photons.most_bounces;
+  const int slots = 4 * chunk + 40;
+  batch.slots = {slots, slots};
+  const std::size_t records = batch.chunks() * static_cast<std::size_t>(slots);
   PhotonMap diffuse(device, {records, static_cast<int>(looks.waves()), 0, 0}),
       caustic(device, {records, static_cast<int>(looks.waves()), 0, 0});
   LandedPhotons landed;
