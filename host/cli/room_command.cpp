@@ -1,5 +1,6 @@
 #include "cli/room_command.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <iomanip>
@@ -129,6 +130,15 @@ void print_summary(const RoomReport &r, double total) {
             << " mm\n";
 }
 
+/// output.aovs says which channels go into the file; left out, all do.
+void keep_channels(const std::vector<std::string> &aovs, SpectralImage &image) {
+  if (aovs.empty()) return;
+  std::erase_if(image.channels, [&](const auto &channel) {
+    const std::string word = channel.first == "depth_m" ? "depth" : channel.first;
+    return std::find(aovs.begin(), aovs.end(), word) == aovs.end();
+  });
+}
+
 }  // namespace
 
 std::optional<int> render_room_scene(const Arguments &a) {
@@ -151,12 +161,13 @@ std::optional<int> render_room_scene(const Arguments &a) {
     progress.show(phase, fraction, noise);
   };
   options.note = [](const std::string &words) { std::cerr << "note: " << words << "\n"; };
-  const RoomPicture picture = render_room(scene, options, device);
+  RoomPicture picture = render_room(scene, options, device);
   progress.end();
 
   const auto develop_begin = Clock::now();
   const CameraPicture camera = develop_camera(rgb_from_spectral(picture.image), {scene.eye.exposure_ev, 8, true});
   const double develop_seconds = seconds_since(develop_begin);
+  keep_channels(scene.aovs, picture.image);
   AtomicFileSet files;
   write_exr(files.add(exr), picture.image, attributes_of(scene, options, *device), {scene.output.spectral});
   write_png(files.add(fs::path(exr).replace_extension(".png")), camera.pixels);

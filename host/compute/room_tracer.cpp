@@ -142,6 +142,9 @@ RoomTracer::RoomTracer(std::shared_ptr<Device> device, const SurfaceTree &tree, 
     : state_(std::make_unique<State>(std::move(device), tree, air, looks)) {}
 RoomTracer::~RoomTracer() = default;
 double RoomTracer::eye_seconds() const { return state_->eye_seconds; }
+std::vector<surface32::PathEnd> RoomTracer::trace(std::span<const surface32::PathStart> starts) {
+  return state_->scene.trace(starts);
+}
 
 void RoomTracer::set_lights(const std::vector<room_twin::Light> &lights) {
   if (!lights.empty()) state_->lights.buffer.write(lights.data(), lights.size());

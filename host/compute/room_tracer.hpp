@@ -90,6 +90,8 @@ class RoomTracer {
   /// The light of lamps alone, [pixels][waves], mean of camera.samples paths through each of these pixels of the band.
   std::vector<float> see_lamps(const room_twin::EyeCamera &camera, const std::vector<int> &pixels);
   double eye_seconds() const;
+  /// Paths to their next surface, as in SurfaceScene.
+  std::vector<surface32::PathEnd> trace(std::span<const surface32::PathStart> starts);
   /// Which part of the disc of each gather is surface that photons could land on (kernels/surface/cover.h).
   /// height: over the radius; facing: cosine, as in GatherSettings
   std::vector<room_twin::Cover> cover(std::span<const GatherPoint> points, std::span<const float> radius_m,

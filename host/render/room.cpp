@@ -6,6 +6,7 @@
 
 #include "atmosphere/profile.hpp"
 #include "render/room_checkpoint.hpp"
+#include "render/room_error.hpp"
 #include "render/room_eye.hpp"
 #include "render/room_looks.hpp"
 #include "render/room_photons.hpp"
@@ -39,6 +40,8 @@ class Room {
     air_ = room_air(scene, looks_.wavelength_nm, options.straight);
     tree_ = build_surface_tree(scene.surfaces, SurfaceScene::lanes_for(*device));
     tracer_.emplace(device, tree_, air_, looks_);
+    out_.report.table_arcsec = room_table_error_arcsec(air_, diagonal_m(tree_.bounds));
+    out_.report.solver_arcsec = room_solver_error_arcsec(*tracer_, air_, scene.camera);
     alone_ = medium_disperses(air_, diagonal_m(tree_.bounds));
     out_.report.triangles = scene.surfaces.triangles.size(), out_.report.spheres = scene.surfaces.spheres.size();
     out_.report.air_cells = air_.cells, out_.report.table_error_m = air_.error_m;

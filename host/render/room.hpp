@@ -47,7 +47,8 @@ struct RoomReport {
   std::size_t aimed_cells = 0;  // of the lights' emission, that caustic photons are aimed at; 0: they are not
   std::size_t lamp_pixels = 0;  // with more samples, for the edges of lamps
   double build_seconds = 0, emit_seconds = 0, map_seconds = 0, gather_seconds = 0, eye_seconds = 0, compile_seconds = 0;
-  double cover_seconds = 0;  // part of gather_seconds
+  double table_arcsec = 0, solver_arcsec = 0;  // of directions (render/room_error.hpp)
+  double cover_seconds = 0;                    // part of gather_seconds
 };
 
 struct RoomPicture {

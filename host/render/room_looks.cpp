@@ -233,4 +233,8 @@ void share_photons(RoomLooks &looks, std::uint32_t photons, const std::vector<do
   }
 }
 
+void share_photons(RoomLooks &looks, std::uint32_t photons) {
+  share_photons(looks, photons, std::vector<double>(looks.light_power_W_nm));
+}
+
 }  // namespace greenray

@@ -18,5 +18,7 @@ RoomLooks room_looks(const RoomScene &scene);
 
 /// Shares out the photons of a pass by these weights of the lights: first_photon and photons of each.
 void share_photons(RoomLooks &looks, std::uint32_t photons, const std::vector<double> &weights);
+/// By their powers.
+void share_photons(RoomLooks &looks, std::uint32_t photons);
 
 }  // namespace greenray

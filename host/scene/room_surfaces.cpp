@@ -47,7 +47,8 @@ class SurfaceReader {
     for (const TomlTable &row : root.rows("quad")) read_quad(row);
     for (const TomlTable &row : root.rows("box")) read_box(row);
     for (const TomlTable &row : root.rows("sphere")) read_sphere(row);
-    if (scene_.surfaces.empty() && root.has("camera"))
+    const bool any = root.has("mesh") || root.has("quad") || root.has("box") || root.has("sphere");
+    if (!any && root.has("camera"))
       root.complain("camera", "expected something to look at: a [[mesh]], [[quad]], [[box]] or [[sphere]]");
   }
   RoomNames names;

@@ -41,6 +41,11 @@ class PathTracer {
     return seen;
   }
 
+  bool shows_lamp(const Triple &place, const Triple &direction) const {
+    const int met = brute_force(scene_.surfaces, place, direction, 1e30, 0).certain.primitive;
+    return met >= 0 && scene_.surfaces.triangles[static_cast<std::size_t>(met)].light >= 0;
+  }
+
  private:
   double emitted(int light) const {
     const auto l = static_cast<std::size_t>(light);
