@@ -101,6 +101,7 @@ class SceneRows {
     whole_ = is_exr && !source.unit_cd_m2 ? read_exr(in).rgb() : read_rgb(*picture_);
   }
   const PictureFacts &facts() const { return picture_->facts(); }
+  bool in_memory() const { return !whole_.rgb.empty(); }
 
   /// work(first row, rows, rgb) for pieces of the picture, on all cores.
   template <class Work>
@@ -108,7 +109,7 @@ class SceneRows {
     const auto width = static_cast<std::size_t>(facts().width);
     for_pieces(static_cast<std::size_t>(facts().height), 64, host_threads(), [&](std::size_t from, std::size_t to) {
       const int first = static_cast<int>(from), rows = static_cast<int>(to - from);
-      if (!whole_.rgb.empty()) return work(first, rows, whole_.rgb.data() + 3 * width * from);
+      if (in_memory()) return work(first, rows, whole_.rgb.data() + 3 * width * from);
       const std::vector<float> rgb = read_rgb_rows(*picture_, first, rows);
       work(first, rows, rgb.data());
     });
@@ -129,7 +130,11 @@ Developed develop_camera_view(SceneRows &scene, const Arguments &a, const fs::pa
   CameraReport report;
   report.key_cd_m2 = key.cd_m2();
   AtomicFile &file = files.add(out);
-  const auto sink = display_sink(file, out, facts, bits_of(a), 1);
+  // a picture in memory becomes the very bytes that `render` writes
+  const bool as_rendered = scene.in_memory() && out.extension() == ".png";
+  RgbImage whole;
+  const auto sink =
+      as_rendered ? memory_sink(whole, facts.width, facts.height) : display_sink(file, out, facts, bits_of(a), 1);
   std::mutex lock;
   scene.for_rows([&](int first, int rows, const float *rgb) {
     const std::size_t count = width * static_cast<std::size_t>(rows);
@@ -142,6 +147,7 @@ Developed develop_camera_view(SceneRows &scene, const Arguments &a, const fs::pa
     report.gamut_moved += here.gamut_moved, report.replaced += here.replaced, report.exposure_ev = here.exposure_ev;
   });
   sink->finish();
+  if (as_rendered) write_png(file, quantise(whole, bits_of(a)));
   warn(facts, {0, 0, 0, 0});
   std::ostringstream said;
   said << "  (key " << report.key_cd_m2 << " cd/m2, " << report.gamut_moved << " pixels brought into gamut)";
