@@ -20,12 +20,12 @@
 #include "surface/eye_path.h"
 
 /* pixels: of the camera's band, row by row; lamps[count][WAVES]: mean radiance */
-__kernel void see_lamps(GEOMETRY_BUFFERS, __global const AirCell *air_cells, const AirShape air_shape, LOOKS_BUFFERS,
-                        __global const int *pixels, __global float *lamps, const EyeCamera camera, const int count) {
+__kernel void see_lamps(GEOMETRY_BUFFERS, AIR_BUFFERS, LOOKS_BUFFERS, __global const int *pixels, __global float *lamps,
+                        const EyeCamera camera, const int count) {
   const int i = (int)get_global_id(0);
   if (i >= count) return;
   const Geometry geometry = GEOMETRY_OF_BUFFERS;
-  const Air air = {air_cells, air_shape};
+  const Air air = AIR_OF_BUFFERS;
   const Looks looks = LOOKS_OF_BUFFERS;
   const int column = camera.first_column + pixels[i] % camera.width;
   const int row = camera.first_row + pixels[i] / camera.width;
