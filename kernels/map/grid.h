@@ -47,8 +47,7 @@ DEVICE mask cells_of(const PhotonGrid *grid, real x, real y, real z) {
 
 /* The rows of cells that a ball meets, and the run of photons of the current one. */
 typedef struct Runs {
-  float place_m[3];
-  float reach_m; /* radius and the rounding of places */
+  int low_x, high_x; /* filed cells */
   int low_y, high_y, high_z;
   int y, z;        /* next row */
   int first, last; /* photons first .. last - 1 */
@@ -68,11 +67,12 @@ DEVICE void rows_between(const PhotonGrid *grid, int axis, float low_m, float hi
 
 DEVICE Runs runs_within(const PhotonGrid *grid, float x, float y, float z, float radius_m) {
   const float size = scalar_magnitude(x) + scalar_magnitude(y) + scalar_magnitude(z) + radius_m;
+  const float reach_m = radius_m * 1.000002f + size * 4e-7f; /* and the rounding of places */
   Runs runs;
-  runs.place_m[0] = x, runs.place_m[1] = y, runs.place_m[2] = z;
-  runs.reach_m = radius_m * 1.000002f + size * 4e-7f;
-  rows_between(grid, 1, y - runs.reach_m, y + runs.reach_m, &runs.low_y, &runs.high_y);
-  rows_between(grid, 2, z - runs.reach_m, z + runs.reach_m, &runs.z, &runs.high_z);
+  rows_between(grid, 1, y - reach_m, y + reach_m, &runs.low_y, &runs.high_y);
+  rows_between(grid, 2, z - reach_m, z + reach_m, &runs.z, &runs.high_z);
+  runs.low_x = filed_cell(grid, 0, cell_along(grid, 0, x - reach_m));
+  runs.high_x = filed_cell(grid, 0, cell_along(grid, 0, x + reach_m));
   runs.y = runs.low_y;
   runs.first = runs.last = 0;
   return runs;
@@ -80,12 +80,10 @@ DEVICE Runs runs_within(const PhotonGrid *grid, float x, float y, float z, float
 
 /* Moves on to the next row with photons near enough along x; 0 when there is none. */
 DEVICE int next_run(Runs *runs, const PhotonGrid *grid, GLOBAL const int *cell_start) {
-  const int x0 = filed_cell(grid, 0, cell_along(grid, 0, runs->place_m[0] - runs->reach_m));
-  const int x1 = filed_cell(grid, 0, cell_along(grid, 0, runs->place_m[0] + runs->reach_m));
   while (runs->z <= runs->high_z) {
     const int row = grid_row(grid, runs->y, runs->z);
-    runs->first = cell_start[row + x0];
-    runs->last = cell_start[row + x1 + 1];
+    runs->first = cell_start[row + runs->low_x];
+    runs->last = cell_start[row + runs->high_x + 1];
     if (++runs->y > runs->high_y) runs->y = runs->low_y, ++runs->z;
     if (runs->first < runs->last) return 1;
   }

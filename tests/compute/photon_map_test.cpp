@@ -58,31 +58,51 @@ void expect_same_map(const PhotonMap::Contents &a, const PhotonMap::Contents &b)
   EXPECT_EQ(a.power_W, b.power_W);
 }
 
+void expect_sorted_records(const Photons &photons, const Bounds &bounds, double cell_m) {
+  PhotonMap map(shared_device(), {photons.records.size(), photons.waves, 0, 0});
+  map.upload(photons.records, photons.power_W);
+  map.build(photons.records.size(), bounds, cell_m);
+  const PhotonMap::Contents c = map.read();
+  const std::vector<unsigned> expected = order_by_hand(map.grid(), photons);
+  const auto waves = static_cast<std::size_t>(photons.waves);
+  ASSERT_EQ(map.filed(), expected.size());
+  EXPECT_EQ(c.order, expected) << cell_m;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const Photon &p = photons.records[expected[i]];
+    ASSERT_EQ(c.x_m[i], p.place_m[0]);
+    ASSERT_EQ(c.y_m[i], p.place_m[1]);
+    ASSERT_EQ(c.z_m[i], p.place_m[2]);
+    ASSERT_EQ(c.normal[i], p.normal);
+    for (std::size_t w = 0; w < waves; ++w)
+      ASSERT_EQ(c.power_W[w * expected.size() + i], photons.power_W[expected[i] * waves + w]);
+    const int cell = cell_by_hand(map.grid(), p);
+    ASSERT_LE(c.cell_start[static_cast<std::size_t>(cell)], static_cast<int>(i));
+    ASSERT_GT(c.cell_start[static_cast<std::size_t>(cell) + 1], static_cast<int>(i));
+  }
+}
+
 // oracle: std::sort by (cell, id, bounce), cells from the definition of the grid
 // tolerance: none
 TEST(PhotonMap, IsTheRecordsSortedByCellThenEmission) {
-  const Photons photons = photons_in_room(20000, 2, 7);
-  for (double cell_m : {0.31, 0.02, 40.0}) {
-    PhotonMap map(shared_device(), {photons.records.size(), photons.waves, 0, 0});
-    map.upload(photons.records, photons.power_W);
-    map.build(photons.records.size(), bounds_of(photons.records), cell_m);
-    const PhotonMap::Contents c = map.read();
-    const std::vector<unsigned> expected = order_by_hand(map.grid(), photons);
-    ASSERT_EQ(map.filed(), expected.size());
-    EXPECT_EQ(c.order, expected) << cell_m;
-    for (std::size_t i = 0; i < expected.size(); ++i) {
-      const Photon &p = photons.records[expected[i]];
-      ASSERT_EQ(c.x_m[i], p.place_m[0]);
-      ASSERT_EQ(c.y_m[i], p.place_m[1]);
-      ASSERT_EQ(c.z_m[i], p.place_m[2]);
-      ASSERT_EQ(c.normal[i], p.normal);
-      for (std::size_t w = 0; w < 2; ++w)
-        ASSERT_EQ(c.power_W[w * expected.size() + i], photons.power_W[expected[i] * 2 + w]);
-      const int cell = cell_by_hand(map.grid(), p);
-      ASSERT_LE(c.cell_start[static_cast<std::size_t>(cell)], static_cast<int>(i));
-      ASSERT_GT(c.cell_start[static_cast<std::size_t>(cell) + 1], static_cast<int>(i));
-    }
+  for (int waves : {1, 2, 3, 9}) {
+    const Photons photons = photons_in_room(20000, waves, 7);
+    for (double cell_m : {0.31, 0.02, 40.0}) expect_sorted_records(photons, bounds_of(photons.records), cell_m);
   }
+}
+
+// oracle: the same, records in any order, so that every cell is sorted by emission, the one of all photons too
+// tolerance: none
+TEST(PhotonMap, SortsCellsByEmission) {
+  const Photons photons = shuffled(photons_in_room(20000, 1, 17), 3);
+  for (double cell_m : {0.31, 0.02, 40.0}) expect_sorted_records(photons, bounds_of(photons.records), cell_m);
+}
+
+// oracle: the same; photons outside of the box are filed in its outermost cells, or wrapped around
+// tolerance: none
+TEST(PhotonMap, FilesWhatLiesOutsideTheBox) {
+  const Photons photons = photons_in_room(20000, 1, 27);
+  const Bounds inner{{0, 3, 11}, {1, 4, 12}};
+  for (double cell_m : {0.31, 0.01}) expect_sorted_records(photons, inner, cell_m);
 }
 
 // oracle: one stable order exists, so chunks, work-groups and threads cannot matter
@@ -188,7 +208,8 @@ TEST(PhotonGather, RadiusAgainstBruteForce) {
         PhotonMap map(shared_device(lanes), {photons.records.size(), photons.waves, 0, 0});
         map.upload(photons.records, photons.power_W);
         map.build(photons.records.size(), bounds_of(photons.records), cell_m);
-        const GatherSettings settings = gather_settings(0.3);
+        /* cells of 0.11 m: a ball of all sides, which is another kernel */
+        const GatherSettings settings = cell_m == 0.11 ? gather_settings(0.3, 1, 180) : gather_settings(0.3);
         PhotonGather gather(shared_device(lanes), photons.waves, {kernel, true, 0, 8});
         gather.set_points(points);
         gather.within(map, settings);
@@ -284,7 +305,7 @@ TEST(PhotonGather, NearestAgainstBruteForce) {
         PhotonMap map(shared_device(lanes), {photons.records.size(), 1, 0, 0});
         map.upload(photons.records, photons.power_W);
         map.build(photons.records.size(), bounds_of(photons.records), 0.25);
-        GatherSettings settings = gather_settings(30);
+        GatherSettings settings = k == 7 ? gather_settings(30, 1, 180) : gather_settings(30); /* a ball of all sides */
         settings.nearest = k;
         settings.guess_m = static_cast<float>(guess_m);
         PhotonGather gather(shared_device(lanes), 1, {GATHER_FLAT, false, 0, 4});

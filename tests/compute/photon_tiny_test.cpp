@@ -35,7 +35,8 @@ TEST(TinyPhotons, FiledAndFound) {
     gather.set_points(points);
     gather.within(map, gather_settings(20, 1, 180));
     for (const Gathered &g : gather.read().gathered) EXPECT_EQ(g.count, 60);
-    gather.within(map, gather_settings(20, 1, 180), std::vector<float>{20, 1, 0.1f});
+    gather.within(map, gather_settings(20, 0.99, 180),
+                  std::vector<float>{20, 1, 0.1f});  // the kernel that tells sides apart
     EXPECT_EQ(gather.read().gathered[0].count, 60);
     GatherSettings settings = gather_settings(20, 1, 180);
     settings.guess_m = 0.5f;
