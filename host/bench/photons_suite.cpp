@@ -65,7 +65,7 @@ Record blank(const PhotonCase &c, const std::string &variant, const std::string 
 
 void run_case(const PhotonCase &c, const SuiteOptions &options, const std::vector<NeighbourPeer> &peers,
               const std::shared_ptr<Device> &device, std::vector<Record> &all) {
-  const double radius_m = std::sqrt(150 * c.area_m2 / (std::acos(-1.0) * static_cast<double>(c.photons.size())));
+  const double radius_m = c.radius_m;
   const auto count = static_cast<double>(c.photons.size());
   PhotonMap map(device, {c.photons.size(), 1, 0, 0});
   map.upload(c.photons, c.power_W);
@@ -110,14 +110,15 @@ std::vector<Record> run_photons_suite(const SuiteOptions &options, const std::ve
   const std::shared_ptr<Device> device = open_device(options.device);
   std::vector<Record> records;
   const std::size_t most = options.quick ? 30000 : 3000000;
-  for (const bool lit : {false, true}) {
-    PhotonCase c = photon_case(lit, most, 8, 8);
+  for (const Light light : {Light::even, Light::lit, Light::caustic, Light::volume}) {
+    PhotonCase c = photon_case(light, most, 8, 8);
     c.name += options.quick ? "" : " 3 M";
-    run_case(c, options, peers, device, records);
+    run_case(c, options, light == Light::even || light == Light::lit ? peers : std::vector<NeighbourPeer>{}, device,
+             records);
   }
   if (options.quick) return records;
   for (const std::size_t photons : {most / 16, 4 * most}) {  // what a photon costs when there are fewer or more
-    PhotonCase c = photon_case(false, photons, 8, 8);
+    PhotonCase c = photon_case(Light::even, photons, 8, 8);
     c.name += photons < most ? " 0.19 M" : " 12 M";
     run_case(c, options, {}, device, records);
   }
