@@ -74,7 +74,7 @@ DEVICE int gather_within(const PhotonArrays *map, const PhotonGrid *grid, const 
   for (int w = 0; w < WAVES; ++w) sum[w] = SPREAD(0);
   mask counts = SPREAD_INT(0);
   Runs runs = runs_within(grid, a->x_m, a->y_m, a->z_m, radius_m);
-  while (next_run(&runs, grid, map->cell_start))
+  while (next_run(&runs, grid, map->cell_start, map->sub_start))
     for (int i = runs.first; i < runs.last; i += LANES) {
       const real d2 = distances2(map, a, i, LANE_NUMBERS < runs.last - i);
       const mask inside = d2 < radius2;
