@@ -116,12 +116,13 @@ PhotonCase photon_case(Light light, std::size_t photons, int width, int height) 
     c.power_W.push_back(0.1f + 0.9f * unit(engine));
   }
   const std::array<double, 3> eye{3.1, 0.4, 1.6};
+  const double view = light == Light::caustic ? 0.3 : 1.5;  // of the caustic, its cusp
   for (int tile_y = 0; tile_y < height; tile_y += 8)
     for (int tile_x = 0; tile_x < width; tile_x += 8)
       for (int y = tile_y; y < std::min(tile_y + 8, height); ++y)
         for (int x = tile_x; x < std::min(tile_x + 8, width); ++x)
           c.points.push_back(
-              seen(eye, {(x + 0.5 - 0.5 * width) * 1.5 / width, 1, (0.5 * height - y - 0.5) * 1.5 / width}));
+              seen(eye, {(x + 0.5 - 0.5 * width) * view / width, 1, (0.5 * height - y - 0.5) * view / width}));
   if (light != Light::volume) return c;
   for (std::size_t i = 0; i < c.points.size(); ++i)  // a quarter to three quarters of the way
     for (std::size_t k = 0; k < 3; ++k) {

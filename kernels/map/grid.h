@@ -65,109 +65,128 @@ DEVICE int sub_cell_of(const PhotonGrid *grid, float x, float y, float z) {
   return (sub_along(grid, 2, z) * SUB + sub_along(grid, 1, y)) * SUB + sub_along(grid, 0, x);
 }
 
-/* The cells low..high that a ball meets along an axis, and the sub-cells of the outer two. */
+/* From .. to, both among them. */
 typedef struct Span {
   int low, high;
-  int low_sub, high_sub;
 } Span;
 
 /* The rows of cells that a ball meets, and the run of photons of the current one. */
 typedef struct Runs {
-  Span x, y, z;
-  int row_y, row_z; /* next row */
-  int cell_x;       /* next cell of a row with dense cells in it; beyond x.high: there is none */
-  int row;          /* of that cell */
-  int dense;        /* first photon of a dense cell; -1: not within one */
-  int sub_y, sub_z; /* next row of sub-cells */
-  Span sub;         /* sub-cells along x and y, from low to high and from low_sub to high_sub */
-  int high_sub_z;
+  float place_m[3];
+  float reach_m; /* radius and the rounding of places */
+  Span x, y, z;  /* cells */
+  int y_next, z_next;
   int first, last; /* photons first .. last - 1 */
+  /* Within a row that is met cell by cell, since there are dense ones in it: */
+  int in_row;
+  int row, row_y, row_z, x_next;
+  int dense; /* first photon of a dense cell whose sub-cells are being met; -1: there is none */
+  Span sub_x, sub_y;
+  int sub_y_next, sub_z_next, sub_z_high;
 } Runs;
 
-/* Each cell once: outside a grid without wrap there is only the outermost one; where all rows are met there are no
-   outer ones. */
-DEVICE Span span_along(const PhotonGrid *grid, int axis, float low_m, float high_m) {
-  Span span = {cell_along(grid, axis, low_m), cell_along(grid, axis, high_m), sub_along(grid, axis, low_m),
-               sub_along(grid, axis, high_m)};
+DEVICE int meets_all_rows(const PhotonGrid *grid, int axis, int low, int high) {
+  return grid->wrap && axis && high - low >= grid->cells[axis];
+}
+
+/* Cells along an axis, each once: outside a grid without wrap there is only the outermost one. */
+DEVICE Span cells_between(const PhotonGrid *grid, int axis, float low_m, float high_m) {
+  Span span = {cell_along(grid, axis, low_m), cell_along(grid, axis, high_m)};
   if (!grid->wrap || axis == 0) {
     span.low = clamped_cell(span.low, grid->cells[axis]);
     span.high = clamped_cell(span.high, grid->cells[axis]);
-  } else if (span.high - span.low >= grid->cells[axis]) {
+  } else if (meets_all_rows(grid, axis, span.low, span.high)) {
     span.high = span.low + grid->cells[axis] - 1;
-    span.low_sub = 0, span.high_sub = SUB - 1;
   }
   return span;
 }
 
 DEVICE Runs runs_within(const PhotonGrid *grid, float x, float y, float z, float radius_m) {
   const float size = scalar_magnitude(x) + scalar_magnitude(y) + scalar_magnitude(z) + radius_m;
-  const float reach_m = radius_m * 1.000002f + size * 4e-7f; /* and the rounding of places */
   Runs runs;
-  runs.x = span_along(grid, 0, x - reach_m, x + reach_m);
-  runs.y = span_along(grid, 1, y - reach_m, y + reach_m);
-  runs.z = span_along(grid, 2, z - reach_m, z + reach_m);
-  runs.row_y = runs.y.low, runs.row_z = runs.z.low;
-  runs.cell_x = runs.x.high + 1;
+  runs.place_m[0] = x, runs.place_m[1] = y, runs.place_m[2] = z;
+  runs.reach_m = radius_m * 1.000002f + size * 4e-7f;
+  runs.x = cells_between(grid, 0, x - runs.reach_m, x + runs.reach_m);
+  runs.y = cells_between(grid, 1, y - runs.reach_m, y + runs.reach_m);
+  runs.z = cells_between(grid, 2, z - runs.reach_m, z + runs.reach_m);
+  runs.y_next = runs.y.low, runs.z_next = runs.z.low;
+  runs.in_row = 0;
   runs.dense = -1;
   runs.first = runs.last = 0;
   return runs;
 }
 
-DEVICE int sub_low(const Span *span, int cell) { return cell == span->low ? span->low_sub : 0; }
-DEVICE int sub_high(const Span *span, int cell) { return cell == span->high ? span->high_sub : SUB - 1; }
+/* Sub-cells of a cell along an axis. A ball that meets all rows may meet one from both sides: all of its sub-cells. */
+DEVICE Span sub_cells_between(const Runs *runs, const PhotonGrid *grid, int axis, const Span *cells, int cell) {
+  const float low_m = runs->place_m[axis] - runs->reach_m, high_m = runs->place_m[axis] + runs->reach_m;
+  Span span = {0, SUB - 1};
+  if (meets_all_rows(grid, axis, cell_along(grid, axis, low_m), cell_along(grid, axis, high_m))) return span;
+  if (cell == cells->low) span.low = sub_along(grid, axis, low_m);
+  if (cell == cells->high) span.high = sub_along(grid, axis, high_m);
+  return span;
+}
 
-/* The row that was left behind last, cell by cell. y, z: of that row. */
-DEVICE void enter_cell(Runs *runs, int first, int y, int z) {
-  const Span sub = {sub_low(&runs->x, runs->cell_x), sub_high(&runs->x, runs->cell_x), sub_low(&runs->y, y),
-                    sub_high(&runs->y, y)};
-  runs->sub = sub;
-  runs->sub_y = sub.low_sub;
-  runs->sub_z = sub_low(&runs->z, z);
-  runs->high_sub_z = sub_high(&runs->z, z);
-  runs->dense = first;
+DEVICE void enter_dense_cell(Runs *runs, const PhotonGrid *grid, int x) {
+  const Span sub_z = sub_cells_between(runs, grid, 2, &runs->z, runs->row_z);
+  runs->sub_x = sub_cells_between(runs, grid, 0, &runs->x, x);
+  runs->sub_y = sub_cells_between(runs, grid, 1, &runs->y, runs->row_y);
+  runs->sub_y_next = runs->sub_y.low;
+  runs->sub_z_next = sub_z.low, runs->sub_z_high = sub_z.high;
+  runs->dense = runs->first;
 }
 
 /* The next row of sub-cells; 0 when the cell has no more. */
 DEVICE int next_sub_run(Runs *runs, GLOBAL const int *sub_start) {
-  while (runs->sub_z <= runs->high_sub_z) {
-    const int row = runs->dense + (runs->sub_z * SUB + runs->sub_y) * SUB;
-    runs->first = sub_start[row + runs->sub.low];
-    runs->last = sub_start[row + runs->sub.high + 1];
-    if (++runs->sub_y > runs->sub.high_sub) runs->sub_y = runs->sub.low_sub, ++runs->sub_z;
+  while (runs->sub_z_next <= runs->sub_z_high) {
+    const int row = runs->dense + (runs->sub_z_next * SUB + runs->sub_y_next) * SUB;
+    runs->first = sub_start[row + runs->sub_x.low];
+    runs->last = sub_start[row + runs->sub_x.high + 1];
+    if (++runs->sub_y_next > runs->sub_y.high) runs->sub_y_next = runs->sub_y.low, ++runs->sub_z_next;
     if (runs->first < runs->last) return 1;
   }
   runs->dense = -1;
   return 0;
 }
 
-/* Within a row that has a dense cell, maybe: the next cell's run; 0 when the row has no more. */
-DEVICE int next_cell_run(Runs *runs, GLOBAL const int *cell_start, GLOBAL const int *sub_start) {
+/* The next cell of the row, or the next row of its sub-cells; 0 when the row has no more. */
+DEVICE int next_cell_run(Runs *runs, const PhotonGrid *grid, GLOBAL const int *cell_start,
+                         GLOBAL const int *sub_start) {
   if (runs->dense >= 0 && next_sub_run(runs, sub_start)) return 1;
-  while (runs->cell_x <= runs->x.high) {
-    /* row_y and row_z have moved on already */
-    const int last_of_z = runs->row_y == runs->y.low;
-    const int y = last_of_z ? runs->y.high : runs->row_y - 1, z = last_of_z ? runs->row_z - 1 : runs->row_z;
-    runs->first = cell_start[runs->row + runs->cell_x];
-    runs->last = cell_start[runs->row + runs->cell_x + 1];
-    const int is_dense = runs->last - runs->first >= DENSE;
-    if (is_dense) enter_cell(runs, runs->first, y, z);
-    ++runs->cell_x;
-    if (is_dense ? next_sub_run(runs, sub_start) : runs->first < runs->last) return 1;
+  while (runs->x_next <= runs->x.high) {
+    const int x = runs->x_next++;
+    runs->first = cell_start[runs->row + x];
+    runs->last = cell_start[runs->row + x + 1];
+    if (runs->last - runs->first >= DENSE) {
+      enter_dense_cell(runs, grid, x);
+      if (next_sub_run(runs, sub_start)) return 1;
+    } else if (runs->first < runs->last) {
+      return 1;
+    }
   }
+  runs->in_row = 0;
   return 0;
+}
+
+DEVICE int has_dense_cell(const Runs *runs, GLOBAL const int *cell_start, int row) {
+  int dense = 0;
+  for (int x = runs->x.low; x <= runs->x.high; ++x) dense |= cell_start[row + x + 1] - cell_start[row + x] >= DENSE;
+  return dense;
 }
 
 /* Moves on to the next row with photons near enough along x; 0 when there is none. */
 DEVICE int next_run(Runs *runs, const PhotonGrid *grid, GLOBAL const int *cell_start, GLOBAL const int *sub_start) {
   for (;;) {
-    if (runs->cell_x <= runs->x.high || runs->dense >= 0)
-      if (next_cell_run(runs, cell_start, sub_start)) return 1;
-    if (runs->row_z > runs->z.high) return 0;
-    runs->row = grid_row(grid, runs->row_y, runs->row_z);
-    runs->first = cell_start[runs->row + runs->x.low];
-    runs->last = cell_start[runs->row + runs->x.high + 1];
-    if (++runs->row_y > runs->y.high) runs->row_y = runs->y.low, ++runs->row_z;
-    if (runs->last - runs->first >= DENSE) runs->cell_x = runs->x.low;
-    else if (runs->first < runs->last) return 1;
+    if (runs->in_row && next_cell_run(runs, grid, cell_start, sub_start)) return 1;
+    if (runs->z_next > runs->z.high) return 0;
+    const int y = runs->y_next, z = runs->z_next, row = grid_row(grid, y, z);
+    runs->first = cell_start[row + runs->x.low];
+    runs->last = cell_start[row + runs->x.high + 1];
+    if (++runs->y_next > runs->y.high) runs->y_next = runs->y.low, ++runs->z_next;
+    if (runs->last - runs->first >= DENSE && has_dense_cell(runs, cell_start, row)) {
+      runs->in_row = 1;
+      runs->row = row, runs->row_y = y, runs->row_z = z, runs->x_next = runs->x.low;
+    } else if (runs->first < runs->last) {
+      return 1;
+    }
   }
 }
