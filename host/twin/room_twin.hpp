@@ -16,9 +16,11 @@ namespace greenray::room_twin {
 
 #include "lib/pack.h"
 #include "lib/sampling.h"
+#include "shared/cover.h"
 #include "shared/light.h"
 #include "shared/material.h"
 #include "shared/photon.h"
+#include "shared/projection.h"
 
 #include "surface/looks.h"
 
@@ -28,7 +30,11 @@ namespace greenray::room_twin {
 
 #include "surface/photon_path.h"
 
+#include "surface/projection.h"
+
 #include "surface/eye_path.h"
+
+#include "surface/cover.h"
 }  // namespace greenray::room_twin
 #undef DEVICE
 #undef GLOBAL
@@ -45,14 +51,20 @@ namespace greenray::room_twin {
 #undef MOST_LEAF_BLOCKS
 #undef TREE_STACK
 #undef NO_PRIMITIVE
-#undef MOST_PATH_CELLS
+#undef MOST_PATH_ARCS
 #undef GEOMETRY_BUFFERS
 #undef GEOMETRY_OF_BUFFERS
+#undef AIR_BUFFERS
+#undef AIR_OF_BUFFERS
+#undef CHAIN_ARCS
 #undef HALF_METRE
 #undef LOOKS_BUFFERS
 #undef LOOKS_OF_BUFFERS
 #undef ROW_WAVE_PLACE
 #undef TWO_PI
+#undef COVER_RIM
+#undef COVER_SAMPLES
+#undef COVER_LEAST
 #undef WAVES
 #undef AIR_IS_CURVED
 #undef REAL_IS_DOUBLE

@@ -1,0 +1,13 @@
+/* How much of the disc of a gather lies on surfaces that could hold its photons. */
+
+typedef struct CoverSettings {
+  scalar height; /* over the radius: surfaces so far above and below the disc count as in it */
+  scalar facing; /* least cosine between their normal and the asking one */
+  int count;     /* places */
+  int pad_;
+} CoverSettings;
+
+/* Shares of the integral of Epanechnikov's kernel over the whole disc, and over the disc of half the area. */
+typedef struct Cover {
+  float whole, inner;
+} Cover;
