@@ -183,6 +183,160 @@ TEST_P(CurveThroughCells, LandsLikeSmallSteps) {
 
 INSTANTIATE_TEST_SUITE_P(Strengths, CurveThroughCells, ::testing::Values(1.0, 0.3, 1e-3));
 
+/// n^2 by straight lines between heights, 30 to 50 times as bent as the cross room's.
+struct PiecewiseLinear {
+  std::vector<double> height_m, index2;
+  std::size_t piece(double z) const {
+    std::size_t i = 0;
+    while (i + 2 < height_m.size() && z >= height_m[i + 1]) ++i;
+    return i;
+  }
+  double slope(std::size_t i) const { return (index2[i + 1] - index2[i]) / (height_m[i + 1] - height_m[i]); }
+  double at(double z) const { return index2[piece(z)] + slope(piece(z)) * (z - height_m[piece(z)]); }
+  LayeredMedium medium() const {
+    LayeredMedium m;
+    m.refractivity = [*this](double z, double) {
+      const double n = std::sqrt(at(z));
+      return Dual{n - 1, slope(piece(z)) / (2 * n)};
+    };
+    m.density_kg_m3 = [](double) { return 1.0; };
+    m.kinks_m.assign(height_m.begin() + 1, height_m.end() - 1);
+    m.top_m = height_m.back();
+    return m;
+  }
+};
+
+/// A piece of a parabola and what may be met on it.
+struct Parabola {
+  Triple place, momentum;
+  double bend, end;
+  Triple at(double s) const { return place + s * momentum + Triple{0, 0, bend * s * s}; }
+  double climb(double s) const { return momentum[2] + 2 * bend * s; }
+};
+
+/// A triangle ready for many questions.
+struct Facet {
+  explicit Facet(const Triangle &t) : corner(t.corner), normal(unit(t.area_vector_m2())) {
+    for (std::size_t k = 0; k < 3; ++k) inward[k] = unit(cross(normal, corner[(k + 1) % 3] - corner[k]));
+  }
+  double inside(const Triple &p) const {
+    double least = 1e300;
+    for (std::size_t k = 0; k < 3; ++k) least = std::min(least, dot(inward[k], p - corner[k]));
+    return least;
+  }
+  std::array<Triple, 3> corner;
+  Triple normal;
+  std::array<Triple, 3> inward;
+};
+
+/// The triangle's plane is met where nz bend s^2 + n.p s + h = 0; both solutions, in double, on every triangle.
+void meet_by_force(const std::vector<Facet> &scene, const Parabola &way, double margin_m, BruteForce &found) {
+  const auto note = [](Met &nearest, double s, std::size_t i) {
+    if (s < nearest.sigma) nearest = {s, static_cast<int>(i)};
+  };
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    const Triple &n = scene[i].normal;
+    const double a = n[2] * way.bend, b = dot(n, way.momentum), h = dot(n, way.place - scene[i].corner[0]);
+    const double root = b * b - 4 * a * h;
+    if (root < -4 * std::abs(a) * margin_m) continue;
+    const double q = -0.5 * (b + std::copysign(std::sqrt(std::max(root, 0.0)), b));
+    for (const double s : {h / q, q / a}) {
+      if (!(s > -1 && s < way.end + 1)) continue;
+      const Triple speed{way.momentum[0], way.momentum[1], way.climb(s)};
+      const double steepness = std::max(std::abs(dot(n, speed)) / length(speed), 1e-3), reach = margin_m / steepness,
+                   late = reach / length(speed), inside = scene[i].inside(way.at(s));
+      if (inside > -reach && s > -late && s < way.end + late) note(found.possible, s, i);
+      if (root > 0 && steepness > 1e-2 && inside > reach && s > late && s < way.end - late) note(found.certain, s, i);
+    }
+  }
+}
+
+/// From kink to kink until the path is out of the medium, or beyond 12 m from the axis.
+BruteForce follow_by_force(const std::vector<Facet> &scene, const PiecewiseLinear &air, Triple place, Triple momentum,
+                           double margin_m) {
+  BruteForce found;
+  std::size_t piece = air.piece(place[2]);
+  double passed = 0;
+  for (int i = 0; i < 200; ++i) {
+    const double bend = air.slope(piece) / 4, z = place[2], p = momentum[2];
+    double end = 1e300;
+    int step = 0;
+    for (const int side : {0, 1}) {
+      const double rise = air.height_m[piece + static_cast<std::size_t>(side)] - z, root = p * p + 4 * bend * rise;
+      if (root < 0) continue;
+      for (const double s : {(-p + std::sqrt(root)) / (2 * bend), (-p - std::sqrt(root)) / (2 * bend)})
+        if (s > 1e-9 && s < end) end = s, step = side ? 1 : -1;
+    }
+    if (step == 0) break;
+    BruteForce here;
+    const Parabola way{place, momentum, bend, end};
+    meet_by_force(scene, way, margin_m, here);
+    for (auto [to, from] : {std::pair{&found.certain, &here.certain}, {&found.possible, &here.possible}})
+      if (to->primitive < 0 && from->primitive >= 0) *to = {passed + from->sigma, from->primitive};
+    if (found.certain.primitive >= 0 || std::max(std::abs(place[0]), std::abs(place[1])) > 12) break;
+    passed += end;
+    place = way.at(end), momentum[2] = way.climb(end);
+    place[2] = air.height_m[piece + (step > 0 ? 1 : 0)];
+    if ((step < 0 && piece == 0) || (step > 0 && piece + 2 == air.height_m.size())) break;
+    piece = step > 0 ? piece + 1 : piece - 1;
+  }
+  return found;
+}
+
+class CurveOnDevice : public ::testing::TestWithParam<int> {};
+
+TEST_P(CurveOnDevice, MillionCurvesLikeBruteForce) {
+  // oracle: parabolas from kink to kink against the plane of every triangle, in double
+  // tolerance: none. A hit within 20 um / sin(angle with the surface) of an edge may be taken or not: 6 roundings of
+  // the
+  //            scene's 20 m for each of five layers
+  const PiecewiseLinear air{{-6, -2, -1, 1.5, 2, 6}, {1.5, 1.3, 1.45, 1.2, 1.35, 1.0}};
+  PiecewiseLinear raised = air;
+  for (double &h : raised.height_m) h += 6;
+  const AirTable table = build_air_table(raised.medium(), {550}, {0, 12, 20, 1e-4, 4096});
+  EXPECT_LE(table.error_m, 1e-7);
+  Surfaces scene = soup(60, 0, 4, 17);
+  for (Triangle &t : scene.triangles) {
+    const Triple middle = (1.0 / 3) * (t.corner[0] + t.corner[1] + t.corner[2]);
+    for (Triple &c : t.corner) c = middle + 2.5 * (c - middle) + Triple{0, 0, 6};
+  }
+  const std::size_t count = GetParam() == 8 ? 1000000 : 100000;
+  std::mt19937 engine(31);
+  std::vector<surface32::PathStart> starts;
+  std::erase_if(scene.triangles, [](const Triangle &t) {
+    return std::any_of(t.corner.begin(), t.corner.end(), [](const Triple &c) {
+      return std::max({std::abs(c[0]), std::abs(c[1]), 2 * std::abs(c[2] - 6)}) > 11.9;
+    });
+  });
+  ASSERT_GT(scene.triangles.size(), 40u);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Triple place = random_triple(engine, -5, 5) + Triple{0, 0, 6};
+    Triple d = random_direction(engine);
+    if (i % 4 == 0) d = unit({d[0], d[1], 0.05 * d[2]});
+    starts.push_back(path_start(place, std::sqrt(raised.at(place[2])) * d));
+  }
+  const auto ends = on_device(scene, table, starts, GetParam());
+  const std::vector<Facet> facets(scene.triangles.begin(), scene.triangles.end());
+  int wrong = 0, met = 0, undecided = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const BruteForce b =
+        follow_by_force(facets, raised, triple_of(starts[i].place), triple_of(starts[i].momentum), 2e-5);
+    const int ours = ends[i].outcome == surface32::PATH_SURFACE ? ends[i].primitive : -1;
+    met += ours >= 0;
+    undecided += b.certain.primitive != b.possible.primitive;
+    if (ours == b.certain.primitive || (ours >= 0 && ours == b.possible.primitive)) continue;
+    if (++wrong < 4)
+      ADD_FAILURE() << i << ": met " << ours << ", for certain " << b.certain.primitive << " at " << b.certain.sigma
+                    << ", possibly " << b.possible.primitive << " at " << b.possible.sigma;
+  }
+  EXPECT_EQ(wrong, 0);
+  EXPECT_LT(undecided, static_cast<int>(count / 100));
+  EXPECT_GT(met, static_cast<int>(count / 10));
+  EXPECT_LT(met, static_cast<int>(count * 9 / 10));
+}
+
+INSTANTIATE_TEST_SUITE_P(Lanes, CurveOnDevice, ::testing::Values(1, 8));
+
 TEST(Curve, NoGapsBetweenNeighboursAndCells) {
   // oracle: a closed room: no path that starts inside gets out, though cells end at its floor, ceiling and in between
   // tolerance: none
