@@ -20,85 +20,242 @@ Dual index2(const LayeredMedium &medium, double height_m, double nm) {
   return within == height_m ? squared : Dual{squared.value, 0};
 }
 
-using Row = std::vector<surface64::AirCell>;
+/// d2z/dsigma2 = (d n^2/dz)/2
+double lift(const LayeredMedium &medium, double height_m, double nm) {
+  return 0.5 * index2(medium, height_m, nm).slope;
+}
 
-/// Knots of the table: heights, and which of them are kinks.
-struct Knots {
-  std::vector<double> height_m;
-  std::vector<bool> kink;
+/// Heights between which the medium is smooth.
+struct Band {
+  double low_m, high_m;
+  bool starts_at_kink;
+  /// Slopes at a kink are those of its inner side.
+  double inside(double z_m) const {
+    const double hair_m = 1e-9 * (high_m - low_m);
+    return std::clamp(z_m, low_m + hair_m, high_m - hair_m);
+  }
 };
 
-Row row_of(const LayeredMedium &medium, double nm, const Knots &knots) {
-  const std::size_t count = knots.height_m.size();
-  std::vector<double> value(count);
-  for (std::size_t k = 0; k < count; ++k) {
-    const double z = knots.height_m[k];
-    value[k] = index2(medium, z, nm).value;
-    if (knots.kink[k]) continue;
-    const double below = z - knots.height_m[k - 1], above = knots.height_m[k + 1] - z,
-                 step = 0.25 * std::min(below, above);
-    const double second = (index2(medium, z + step, nm).slope - index2(medium, z - step, nm).slope) / (2 * step);
-    value[k] -= (below * below + above * above) / 24 * second;
+/// How well the table is to follow the medium and arcs are to follow paths.
+struct Precision {
+  double lift_per_m;  // error of d2z/dsigma2
+  double arc_m;       // distance of an arc from its path
+};
+
+class Builder {
+ public:
+  Builder(const LayeredMedium &medium, const std::vector<double> &wavelength_nm, const AirTableOptions &options)
+      : medium_(medium), options_(options) {
+    table_.wavelength_nm = wavelength_nm;
   }
-  Row row{{-huge_m, 0, value.front(), 0}};
-  for (std::size_t k = 0; k + 1 < count; ++k) {
-    const double thickness = knots.height_m[k + 1] - knots.height_m[k];
-    row.push_back({knots.height_m[k], (value[k + 1] - value[k]) / thickness / 4, value[k], 0});
+
+  std::vector<Band> bands() const {
+    const double top = medium_.top_m > 0 ? medium_.top_m : options_.high_m;
+    const double low = std::max(options_.low_m, 0.0), high = std::min(std::max(options_.high_m, low + 1e-3), top);
+    std::vector<double> edges{std::min(low, high)};
+    for (const double kink : medium_.kinks_m)
+      if (kink > low && kink < high) edges.push_back(kink);
+    if (high > low) edges.push_back(high);
+    std::vector<Band> all;
+    for (std::size_t i = 0; i + 1 < edges.size(); ++i) part({edges[i], edges[i + 1], true}, 0, all);
+    return all;
   }
-  row.push_back({knots.height_m.back(), 0, value.back(), 0});
-  return row;
-}
+
+  AirTable build(const std::vector<Band> &bands, const Precision &precision, int finer) {
+    AirTable out;
+    out.wavelength_nm = table_.wavelength_nm;
+    const double bottom = bands.empty() ? 0 : bands.front().low_m, top = bands.empty() ? 0 : bands.back().high_m;
+    out.cells = 0;
+    out.layers.push_back(endless(-huge_m, 0));
+    int first = 1;
+    for (const Band &b : bands) {
+      surface64::AirLayer layer{};
+      layer.bottom_m = b.low_m;
+      layer.first = first;
+      layer.cells = cells_of(b, precision.lift_per_m, first) * finer;
+      layer.cells_per_m = layer.cells / (b.high_m - b.low_m);
+      first += layer.cells;
+      out.layers.push_back(layer);
+    }
+    out.layers.push_back(endless(top, first));
+    out.cells = static_cast<std::size_t>(first) + 1;
+    for (const double nm : out.wavelength_nm) {
+      out.rows.push_back({{index2(medium_, bottom, nm).value, 0, 0, 0}});
+      for (std::size_t i = 0; i < bands.size(); ++i) add_cells(bands[i], out.layers[i + 1].cells, nm, out.rows);
+      out.rows.push_back({{index2(medium_, top, nm).value, 0, 0, 0}});
+    }
+    for (surface64::AirLayer &layer : out.layers) set_steps(out, precision.arc_m, layer);
+    return out;
+  }
+
+ private:
+  static surface64::AirLayer endless(double bottom_m, int first) {
+    surface64::AirLayer layer{};
+    layer.bottom_m = bottom_m, layer.first = first, layer.cells = 1;
+    return layer;
+  }
+
+  /// Largest |d lift/dz| at 64 heights.
+  double largest_change(const Band &b) const {
+    double most = 0;
+    constexpr int samples = 64;
+    const double step = (b.high_m - b.low_m) / samples, nm = table_.wavelength_nm[table_.wavelength_nm.size() / 2];
+    double before = lift(medium_, b.inside(b.low_m), nm);
+    for (int i = 1; i <= samples; ++i) {
+      const double here = lift(medium_, b.inside(b.low_m + i * step), nm);
+      most = std::max(most, std::abs(here - before) / step);
+      before = here;
+    }
+    return most;
+  }
+
+  /// Halves a band when arcs could be twice as long in one half, and are shorter than the band.
+  void part(const Band &b, int depth, std::vector<Band> &all) const {
+    const double middle = 0.5 * (b.low_m + b.high_m);
+    const Band low{b.low_m, middle, b.starts_at_kink}, high{middle, b.high_m, false};
+    const double below = largest_change(low), above = largest_change(high), both = std::max(below, above);
+    if (depth < 10 && 8 * std::min(below, above) < both &&
+        steep_step(0.5 * options_.error_m, both, 1) < b.high_m - b.low_m) {
+      part(low, depth + 1, all);
+      part(high, depth + 1, all);
+    } else {
+      all.push_back(b);
+    }
+  }
+
+  /// Cells of even thickness, halved until the cubics' slopes are good.
+  int cells_of(const Band &b, double most_error, int before) const {
+    int cells = 1;
+    while (!is_good(b, cells, most_error)) {
+      cells *= 2;
+      if (before + cells > options_.most_cells)
+        throw InputError(medium_.place, "this medium needs more than " +
+                                            std::to_string(static_cast<int>(options_.most_cells)) +
+                                            " cells for paths among surfaces: smooth it, or ask for a larger error");
+    }
+    return cells;
+  }
+
+  bool is_good(const Band &b, int cells, double most_error) const {
+    const double nm = table_.wavelength_nm[table_.wavelength_nm.size() / 2], thickness = (b.high_m - b.low_m) / cells;
+    // Below this the difference is rounding: n^2 itself is good to 1e-16.
+    if (most_error * thickness < 1e-14) return true;
+    std::vector<surface64::AirCell> row;
+    add_cells(b, cells, nm, row);
+    const auto error = [&](double z) {
+      const double at = std::clamp((z - b.low_m) / thickness, 0.0, cells - 1e-9);
+      const double t = at - std::floor(at);
+      const auto &c = row[static_cast<std::size_t>(at)].index2;
+      return std::abs(0.5 * (c[1] + t * (2 * c[2] + t * 3 * c[3])) / thickness - lift(medium_, b.inside(z), nm));
+    };
+    for (int i = 0; i < cells; ++i)
+      for (const double t : {0.1, 0.25, 0.5, 0.75, 0.9})
+        if (error(b.low_m + (i + t) * thickness) > most_error) return false;
+    return std::none_of(medium_.features_m.begin(), medium_.features_m.end(),
+                        [&](double z) { return z > b.low_m && z < b.high_m && error(z) > most_error; });
+  }
+
+  void add_cells(const Band &b, int cells, double nm, std::vector<surface64::AirCell> &row) const {
+    const double thickness = (b.high_m - b.low_m) / cells;
+    const auto knot = [&](int i) {
+      const double z = i == cells ? b.high_m : b.low_m + i * thickness;
+      return Dual{index2(medium_, z, nm).value, index2(medium_, b.inside(z), nm).slope * thickness};
+    };
+    Dual low = knot(0);
+    for (int i = 0; i < cells; ++i) {
+      const Dual high = knot(i + 1);
+      const double rise = high.value - low.value;
+      row.push_back({{low.value, low.slope, 3 * rise - 2 * low.slope - high.slope, low.slope + high.slope - 2 * rise}});
+      low = high;
+    }
+  }
+
+  /* An arc is off a path whose height has the third derivative l p, l = d lift/dz, by l p sigma^3 / (72 sqrt(3)) =
+     0.008 l p sigma^3 (a cubic against the parabola through its ends, of its mean bend). p is at most n, at most p0 +
+     lift sigma. */
+  static double steep_step(double off_m, double change, double momentum) {
+    return std::cbrt(off_m / (0.016 * change * momentum));
+  }
+
+  void set_steps(const AirTable &table, double off_m, surface64::AirLayer &layer) const {
+    double change = 0, lift = 0, index2 = 1;
+    const std::size_t rows = table.wavelength_nm.size(), first = static_cast<std::size_t>(layer.first);
+    for (std::size_t w = 0; w < rows; ++w)
+      for (std::size_t i = 0; i < static_cast<std::size_t>(layer.cells); ++i) {
+        const auto &c = table.rows[w * table.cells + first + i].index2;
+        const double scale = 0.5 * layer.cells_per_m;
+        for (const double t : {0.0, 1.0}) {
+          change = std::max(change, std::abs(2 * c[2] + 6 * c[3] * t) * scale * layer.cells_per_m);
+          lift = std::max(lift, std::abs(c[1] + t * (2 * c[2] + t * 3 * c[3])) * scale);
+        }
+        index2 = std::max(index2, c[0]);
+      }
+    const double n = std::sqrt(index2), length = options_.length_m;
+    layer.linear = change * n * length * length * length / 6 < 0.25 * off_m;
+    layer.steep_step = layer.level_step = huge_m;
+    if (layer.linear) return;
+    layer.steep_step = steep_step(off_m, change, n) * std::sqrt(std::sqrt(n));
+    // No longer than what one turn of an oscillation about a duct would take, divided by 2 pi.
+    layer.level_step =
+        std::min(std::sqrt(std::sqrt(off_m / (0.016 * change * std::max(lift, 1e-300)))), 1 / std::sqrt(change));
+  }
+
+  const LayeredMedium &medium_;
+  const AirTableOptions &options_;
+  AirTable table_;
+};
 
 struct Start {
   double height_m, elevation_rad;
 };
 
-/// Heights of a test path at sixteen even steps of sigma.
-std::vector<double> heights_on_path(const Row &row, const Start &start, double length_m) {
-  const int cells = static_cast<int>(row.size());
-  int cell = surface64::find_air_cell(row.data(), cells, start.height_m);
-  const surface64::AirCell &first = row[static_cast<std::size_t>(cell)];
-  const double n2 = first.index2 + (first.bend != 0 ? 4 * first.bend * (start.height_m - first.bottom_m) : 0);
-  double z = start.height_m, p = std::sqrt(n2) * std::sin(start.elevation_rad), sigma = 0;
-  const double step = length_m / std::sqrt(n2) / 16;
+/// Heights of a test path at sixteen even steps of sigma, arc by arc as on the device.
+std::vector<double> heights_on_path(const AirTable &table, const Start &start, double length_m) {
+  const int layers = static_cast<int>(table.layers.size());
+  const surface64::Air air{table.layers.data(), table.rows.data(), {layers, static_cast<int>(table.cells), 0, 0}};
+  const int row = static_cast<int>(table.wavelength_nm.size() / 2);
+  int layer = surface64::find_air_layer(&air, start.height_m);
+  const double n = std::sqrt(surface64::air_index2(&air, row, start.height_m));
+  surface64::AirSlab slab = surface64::air_slab(&air, row, layer);
+  surface64::Climb climb{start.height_m, n * std::sin(start.elevation_rad), surface64::lift_at(&slab, start.height_m)};
+  const double step = length_m / n / 16;
+  double sigma = 0;
   std::vector<double> heights;
   for (int i = 0; i < 20000 && heights.size() < 16; ++i) {
-    const surface64::AirCell &here = row[static_cast<std::size_t>(cell)];
-    const double top = cell + 1 < cells ? row[static_cast<std::size_t>(cell) + 1].bottom_m : huge_m;
-    const surface64::CellExit leaving = surface64::leave_cell(p, here.bend, top - z, here.bottom_m - z);
-    const double left = step * static_cast<double>(heights.size() + 1) - sigma;
-    if (leaving.sigma >= left || leaving.step == 0) {
-      z += (p + here.bend * left) * left, p += 2 * here.bend * left, sigma += left;
-      heights.push_back(z);
-    } else {
-      z = leaving.step > 0 ? top : here.bottom_m, p = leaving.momentum_z, sigma += leaving.sigma;
-      cell += leaving.step;
+    const double z = climb.z, bottom = layer > 0 ? slab.layer.bottom_m : -huge_m;
+    const surface64::Rise r = surface64::next_rise(&slab, bottom, slab.top_m, 17 * step - sigma, climb);
+    climb = r.end;
+    while (heights.size() < 16 && step * static_cast<double>(heights.size() + 1) <= sigma + r.sigma) {
+      const double along = step * static_cast<double>(heights.size() + 1) - sigma;
+      heights.push_back(z + (r.rise + r.bend * along) * along);
     }
+    sigma += r.sigma;
+    if (r.step == 0) continue;
+    layer += r.step;
+    slab = surface64::air_slab(&air, row, layer);
+    climb.lift = surface64::lift_at(&slab, climb.z);
   }
-  heights.resize(16, z);
+  heights.resize(16, climb.z);
   return heights;
 }
 
 /// From between the kinks, level to steep, up and down. (A level path on a kink itself may go either way.)
-std::vector<Start> test_fan(const Knots &knots) {
+std::vector<Start> test_fan(const std::vector<Band> &bands) {
   std::vector<Start> fan;
-  std::vector<double> from;
-  for (std::size_t k = 0; k < knots.height_m.size(); ++k) {
-    if (!knots.kink[k]) continue;
-    if (k + 1 < knots.height_m.size()) {
-      std::size_t next = k + 1;
-      while (!knots.kink[next]) ++next;
-      for (double t : {0.05, 0.21, 0.5, 0.83, 0.95})
-        from.push_back(knots.height_m[k] + t * (knots.height_m[next] - knots.height_m[k]));
-    }
-  }
-  for (const double height : from)
-    for (const double degrees : {0.0, 0.3, 1.0, 3.0, 8.0, 20.0, 45.0, 75.0})
-      for (const double sign : {1.0, -1.0}) fan.push_back({height, sign * degrees * M_PI / 180});
+  std::vector<double> edges;
+  for (const Band &b : bands)
+    if (b.starts_at_kink) edges.push_back(b.low_m);
+  if (!bands.empty()) edges.push_back(bands.back().high_m);
+  for (std::size_t i = 0; i + 1 < edges.size(); ++i)
+    for (const double t : {0.05, 0.21, 0.5, 0.83, 0.95})
+      for (const double degrees : {0.0, 0.3, 1.0, 3.0, 8.0, 20.0, 45.0, 75.0})
+        for (const double sign : {1.0, -1.0})
+          fan.push_back({edges[i] + t * (edges[i + 1] - edges[i]), sign * degrees * M_PI / 180});
   return fan;
 }
 
-double largest_difference(const Row &coarse, const Row &fine, const std::vector<Start> &fan, double length_m) {
+double largest_difference(const AirTable &coarse, const AirTable &fine, const std::vector<Start> &fan,
+                          double length_m) {
   double worst = 0;
   constexpr double nudge_rad = 1e-6;
   for (const Start &start : fan) {
@@ -112,94 +269,76 @@ double largest_difference(const Row &coarse, const Row &fine, const std::vector<
   return worst;
 }
 
-Knots kinks_of(const LayeredMedium &medium, const AirTableOptions &options) {
-  const double top = medium.top_m > 0 ? medium.top_m : options.high_m;
-  const double low = std::max(options.low_m, 0.0), high = std::min(std::max(options.high_m, low + 1e-3), top);
-  Knots knots;
-  knots.height_m.push_back(std::min(low, high));
-  for (const double kink : medium.kinks_m)
-    if (kink > low && kink < high) knots.height_m.push_back(kink);
-  if (high > low) knots.height_m.push_back(high);
-  knots.kink.assign(knots.height_m.size(), true);
-  return knots;
-}
-
-/// Halves the cells in which n^2 leaves its chord by more than `most`.
-Knots refined(const LayeredMedium &medium, double nm, const Knots &kinks, double most, double most_cells) {
-  Knots out;
-  struct Piece {
-    double low, high;
-  };
-  for (std::size_t k = 0; k + 1 < kinks.height_m.size(); ++k) {
-    std::vector<Piece> open{{kinks.height_m[k], kinks.height_m[k + 1]}};
-    out.height_m.push_back(kinks.height_m[k]);
-    out.kink.push_back(true);
-    while (!open.empty()) {
-      const Piece piece = open.back();
-      open.pop_back();
-      const double a = index2(medium, piece.low, nm).value, b = index2(medium, piece.high, nm).value;
-      double off = 0;
-      for (const double t : {0.2, 0.4, 0.5, 0.6, 0.8})
-        off = std::max(off,
-                       std::abs(index2(medium, piece.low + t * (piece.high - piece.low), nm).value - a - t * (b - a)));
-      if (off > most) {
-        const double middle = 0.5 * (piece.low + piece.high);
-        open.push_back({middle, piece.high});
-        open.push_back({piece.low, middle});
-        if (static_cast<double>(out.height_m.size() + open.size()) > most_cells)
-          throw InputError(medium.place, "this medium needs more than " + std::to_string(static_cast<int>(most_cells)) +
-                                             " cells for paths among surfaces: smooth it, or ask for a larger error");
-        continue;
-      }
-      if (piece.low != kinks.height_m[k]) out.height_m.push_back(piece.low), out.kink.push_back(false);
-    }
-  }
-  out.height_m.push_back(kinks.height_m.back());
-  out.kink.push_back(true);
-  return out;
-}
-
 }  // namespace
 
 AirTable build_air_table(const LayeredMedium &medium, const std::vector<double> &wavelength_nm,
                          const AirTableOptions &options) {
-  const double nm = wavelength_nm[wavelength_nm.size() / 2];
-  const Knots kinks = kinks_of(medium, options);
-  const std::vector<Start> fan = test_fan(kinks);
-  // Below this the difference of two tables is rounding: n^2 itself is good to 1e-16.
-  constexpr double least = 1e-13;
-  double most = 1e-3;
-  Knots knots = refined(medium, nm, kinks, most, options.most_cells);
+  Builder builder(medium, wavelength_nm, options);
+  const std::vector<Band> bands = builder.bands();
+  const std::vector<Start> fan = test_fan(bands);
+  Precision precision{0.5 * options.error_m / (options.length_m * options.length_m), 0.5 * options.error_m};
+  const double least = 1e-4 * options.error_m;
   AirTable table;
-  for (;; most /= 4) {
-    const Knots finer = refined(medium, nm, kinks, most / 16, options.most_cells);
-    table.error_m = largest_difference(row_of(medium, nm, knots), row_of(medium, nm, finer), fan, options.length_m);
-    if (table.error_m <= options.error_m || most < least) break;
-    knots = refined(medium, nm, kinks, most / 4, options.most_cells);
+  for (;; precision.lift_per_m /= 4, precision.arc_m /= 4) {
+    table = builder.build(bands, precision, 1);
+    const AirTable finer = builder.build(bands, {precision.lift_per_m, precision.arc_m / 256}, 4);
+    table.error_m = largest_difference(table, finer, fan, options.length_m);
+    if (table.error_m <= options.error_m || precision.arc_m < least) break;
   }
-  table.wavelength_nm = wavelength_nm;
-  table.cells = knots.height_m.size() + 1;
-  for (const double wave : wavelength_nm) {
-    const Row row = row_of(medium, wave, knots);
-    table.rows.insert(table.rows.end(), row.begin(), row.end());
-  }
-  for (const surface64::AirCell &cell : table.rows)
-    table.largest_bend_per_m = std::max(table.largest_bend_per_m, std::abs(cell.bend));
+  for (std::size_t l = 0; l < table.layers.size(); ++l)
+    for (std::size_t w = 0; w < wavelength_nm.size(); ++w)
+      for (int i = 0; i < table.layers[l].cells; ++i) {
+        const auto &c = table.rows[w * table.cells + static_cast<std::size_t>(table.layers[l].first + i)].index2;
+        for (const double t : {0.0, 1.0})
+          table.largest_bend_per_m =
+              std::max(table.largest_bend_per_m,
+                       0.25 * table.layers[l].cells_per_m * std::abs(c[1] + t * (2 * c[2] + t * 3 * c[3])));
+      }
   return table;
 }
 
 AirTable uniform_air(double refractivity, const std::vector<double> &wavelength_nm) {
   AirTable table;
   table.wavelength_nm = wavelength_nm;
+  surface64::AirLayer all{};
+  all.bottom_m = -huge_m, all.cells = 1, all.linear = 1, all.steep_step = all.level_step = huge_m;
+  table.layers = {all};
   const double n = 1 + refractivity;
-  table.rows.assign(wavelength_nm.size(), surface64::AirCell{-huge_m, 0, n * n, 0});
+  table.rows.assign(wavelength_nm.size(), surface64::AirCell{{n * n, 0, 0, 0}});
   return table;
+}
+
+double AirTable::parting_per_m() const {
+  if (layers.size() < 3) return 0;
+  double parting = 0;
+  for (std::size_t l = 1; l + 1 < layers.size(); ++l)
+    for (int i = 0; i < layers[l].cells; ++i) {
+      double low = 1e300, high = -1e300;
+      for (std::size_t w = 0; w < wavelength_nm.size(); ++w) {
+        const auto &c = rows[w * cells + static_cast<std::size_t>(layers[l].first + i)].index2;
+        const double rise = c[1] + c[2] + c[3];  // of n^2 over the cell
+        low = std::min(low, rise), high = std::max(high, rise);
+      }
+      parting += 0.25 * (high - low);
+    }
+  return parting / (layers.back().bottom_m - layers[1].bottom_m);
+}
+
+std::vector<surface32::AirLayer> AirTable::narrowed_layers() const {
+  std::vector<surface32::AirLayer> out;
+  for (const surface64::AirLayer &l : layers)
+    out.push_back({static_cast<float>(l.bottom_m), static_cast<float>(l.cells_per_m), l.first, l.cells,
+                   static_cast<float>(l.steep_step), static_cast<float>(l.level_step), l.linear, 0});
+  return out;
 }
 
 std::vector<surface32::AirCell> AirTable::narrowed() const {
   std::vector<surface32::AirCell> out;
-  for (const surface64::AirCell &c : rows)
-    out.push_back({static_cast<float>(c.bottom_m), static_cast<float>(c.bend), static_cast<float>(c.index2), 0});
+  for (const surface64::AirCell &c : rows) {
+    surface32::AirCell narrow{};
+    for (std::size_t k = 0; k < 4; ++k) narrow.index2[k] = static_cast<float>(c.index2[k]);
+    out.push_back(narrow);
+  }
   return out;
 }
 

@@ -18,9 +18,11 @@ namespace {
 /// One way to make the picture.
 struct Way {
   bool per_pixel = false;
-  int samples = 1;    // a pixel
-  bool fine = false;  // the reference: double, table and steps a hundred times finer
+  bool steps = false;  // rays by adaptive steps, not in closed form
+  int samples = 1;     // a pixel
+  bool fine = false;   // the reference: double, table and steps a hundred times finer
   std::uint64_t seed = 1;
+  std::string name() const { return per_pixel ? steps ? "per pixel, steps" : "per pixel" : "transfer table"; }
 };
 
 /// A picture of the low Sun. Per-pixel tracing may be timed on a strip of its middle columns, which has its share of
@@ -52,6 +54,7 @@ Scene scene_of(const Case &c, const Way &way, int columns) {
       "sun.azimuth_deg=" + std::to_string(270 + sun_right_deg),
       "spectrum.samples=" + std::to_string(c.wavelengths),
       "tracing.quality={ spp = " + std::to_string(way.samples) + " }",
+      std::string("tracing.method=\"") + (way.steps ? "rk45" : "auto") + "\"",
       std::string("tracing.transfer=\"") + (way.per_pixel ? "per-pixel" : "table") + "\""};
   if (way.fine)
     for (const char *key : {"tracing.precision=\"double\"", "tracing.table_arcsec=3e-5", "tracing.tolerance=1e-11"})
@@ -97,7 +100,7 @@ Record record_of(const Case &c, const Way &way, const std::vector<Shot> &shots, 
   Record r;
   r.suite = "images";
   r.case_name = c.name();
-  r.kind = {"", "", way.per_pixel ? "per pixel" : "transfer table", "float", device.lanes().lanes_float};
+  r.kind = {"", "", way.name(), "float", device.lanes().lanes_float};
   r.variant =
       r.kind.solver + ", " + std::to_string(way.samples) + (way.samples == 1 ? " sample" : " samples") + " a pixel";
   r.device = device_words(device);
@@ -126,16 +129,17 @@ Record record_of(const Case &c, const Way &way, const std::vector<Shot> &shots, 
 /// Many samples, other ones than the pictures': what finite sampling costs is in the error. One sample, the same as the
 /// pictures': only what the methods themselves cost.
 std::vector<Case> cases(bool quick) {
-  const Way table1{false, 1}, table4{false, 4}, table16{false, 16}, pixel1{true, 1}, pixel4{true, 4};
-  if (quick) return {{48, 27, 3, 48, 48, {table1, pixel1}, {true, 1, true, 1}}};
-  return {{240, 135, 24, 240, 8, {table1, table4, table16, pixel1, pixel4}, {true, 64, true, 2}},
-          {1920, 1080, 24, 240, 8, {table1, pixel1}, {true, 1, true, 1}}};
+  const auto table = [](int samples) { return Way{false, false, samples}; };
+  const auto pixel = [](int samples) { return Way{true, false, samples}; };
+  const Way steps{true, true, 1}, same_samples{true, false, 1, true, 1}, many_samples{true, false, 64, true, 2};
+  if (quick) return {{48, 27, 3, 48, 48, {table(1), pixel(1), steps}, same_samples}};
+  return {{240, 135, 24, 240, 8, {table(1), table(4), table(16), pixel(1), pixel(4)}, many_samples},
+          {1920, 1080, 24, 240, 8, {table(1), pixel(1), steps}, same_samples}};
 }
 
 std::vector<Record> run_case(const Case &c, const SuiteOptions &options, const std::shared_ptr<Device> &device) {
   std::vector<Way> ways = c.ways;
-  const auto name = [](const Way &w) { return std::string(w.per_pixel ? "per pixel" : "transfer table"); };
-  std::erase_if(ways, [&](const Way &w) { return name(w).find(options.only) == std::string::npos; });
+  std::erase_if(ways, [&](const Way &w) { return w.name().find(options.only) == std::string::npos; });
   if (ways.empty()) return {};
   const auto say = [&](const std::string &what) {
     if (options.say) options.say(c.name() + ": " + what);
@@ -148,7 +152,7 @@ std::vector<Record> run_case(const Case &c, const SuiteOptions &options, const s
   const int repeats = options.quick ? 1 : std::clamp(options.repeats / 2, 1, 3);
   for (int round = 0; round < repeats; ++round)
     for (std::size_t i = 0; i < ways.size(); ++i) {
-      say(name(ways[i]) + ", " + std::to_string(ways[i].samples) + " a pixel");
+      say(ways[i].name() + ", " + std::to_string(ways[i].samples) + " a pixel");
       shots[i].push_back(take(c, ways[i], ways[i].per_pixel ? c.timed_columns : c.width, device));
     }
   std::vector<Record> records;

@@ -20,9 +20,11 @@ std::vector<Keyed> keys_of(const PhotonCase &c, const PhotonGrid &g) {
   std::vector<Keyed> keys(c.photons.size());
   for (std::size_t i = 0; i < keys.size(); ++i) {
     std::uint64_t cell[3];
-    for (int k = 0; k < 3; ++k)
-      cell[k] = static_cast<std::uint64_t>(
-          std::clamp(static_cast<int>((c.photons[i].place_m[k] - g.origin_m[k]) * g.per_m), 0, g.cells[k] - 1));
+    for (int k = 0; k < 3; ++k) {
+      const int along = static_cast<int>(std::floor((c.photons[i].place_m[k] - g.origin_m[k]) * g.per_m));
+      const bool wraps = g.wrap && k > 0;
+      cell[k] = static_cast<std::uint64_t>(wraps ? along % g.cells[k] : std::clamp(along, 0, g.cells[k] - 1));
+    }
     const std::uint64_t key =
         (cell[2] * static_cast<std::uint64_t>(g.cells[1]) + cell[1]) * static_cast<std::uint64_t>(g.cells[0]) + cell[0];
     keys[i] = key << 32 | i;

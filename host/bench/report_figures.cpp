@@ -39,7 +39,7 @@ PlotLine style_of(const Record &r) {
   PlotLine line{r.curve(), "#5b6770", {}, {}};
   const std::string &solver = r.kind.solver;
   if (solver == "closed form" || solver == "transfer table") line.colour = "#0b6fa4";
-  else if (solver == "rk45" || solver == "per pixel") line.colour = has(r.variant, "image") ? "#e9a98f" : "#c8502b";
+  else if (solver == "rk45" || has(solver, "per pixel")) line.colour = has(r.variant, "image") ? "#e9a98f" : "#c8502b";
   else if (solver == "richardson") line.colour = "#8757a3";
   else if (solver == "quadrature") line.colour = "#1c8a5b";
   line.marker = PlotMarker::disc;

@@ -13,6 +13,7 @@
 #include "image/colour.hpp"
 #include "image/develop.hpp"
 #include "image/exr.hpp"
+#include "render/room_checkpoint.hpp"
 #include "render/room_report.hpp"
 #include "support/atomic_file.hpp"
 #include "support/embedded.hpp"
@@ -37,6 +38,25 @@ std::optional<std::pair<std::string, std::string>> room_text(const std::string &
   return std::nullopt;
 }
 
+std::optional<std::array<int, 4>> crop_from(const Arguments &a) {
+  if (!a.has("--crop")) return std::nullopt;
+  std::array<int, 4> crop{};
+  std::istringstream words(a.text("--crop"));
+  char comma = ',';
+  bool right = true;
+  for (std::size_t i = 0; i < 4; ++i) right = right && (i == 0 || words >> comma) && comma == ',' && words >> crop[i];
+  if (!right || words >> comma) a.fail("--crop", "expected X0,Y0,X1,Y1 in pixels");
+  return crop;
+}
+
+void read_stopping(const Arguments &a, RoomOptions &o) {
+  if (const auto spp = a.optional_number("--spp", 1, 1 << 16, "samples a pixel")) o.spp = static_cast<int>(*spp);
+  if (const auto photons = a.optional_number("--photons", 1, 1e12, "photons"))
+    o.photons = static_cast<std::int64_t>(*photons);
+  o.error_pct = a.optional_number("--error", 1e-4, 100, "percent");
+  o.minutes = a.optional_number("--minutes", 1e-3, 1e5, "minutes");
+}
+
 RoomOptions options_from(const Arguments &a, const RoomScene &scene) {
   RoomOptions o;
   o.seed = static_cast<std::uint32_t>(a.optional_number("--seed", 0, 4294967295.0, "").value_or(1));
@@ -51,11 +71,25 @@ RoomOptions options_from(const Arguments &a, const RoomScene &scene) {
     o.size = {w, h};
   }
   if (a.has("--quick")) o.size = {std::max(1, o.size[0] / 4), std::max(1, o.size[1] / 4)};
-  if (scene.photons.emitted < 40000) o.passes = 1;
-  if (const auto spp = a.optional_number("--spp", 1, 1 << 16, "samples a pixel")) o.spp = static_cast<int>(*spp);
-  for (const char *later : {"--crop", "--error", "--minutes"})
-    if (a.has(later)) a.fail(later, "not built yet for scenes with a [camera]");
+  o.crop = crop_from(a);
+  if (o.crop) o.crop_place = a.place("--crop");
+  read_stopping(a, o);
+  if (a.has("--resume") && a.has("--no-resume")) a.fail("--no-resume", "expected one of --resume and --no-resume");
+  o.resume = a.has("--resume")      ? RoomOptions::Resume::always
+             : a.has("--no-resume") ? RoomOptions::Resume::never
+                                    : RoomOptions::Resume::when_it_fits;
+  o.checkpoint_seconds = a.optional_number("--checkpoint", 0, 1e6, "seconds").value_or(60);
   return o;
+}
+
+std::string stopping_words(const RoomOptions &options, const RoomPlan &plan) {
+  std::ostringstream text;
+  text << plan.samples * (plan.open ? 1 : plan.passes) << " spp" << (plan.open ? " a pass" : "") << ", ";
+  if (!plan.open) text << plan.photons << " photons in " << plan.passes << " passes";
+  else text << plan.photons_a_pass << " photons a pass";
+  if (options.error_pct) text << ", until the error is " << *options.error_pct << " %";
+  if (options.minutes) text << ", for " << *options.minutes << " minutes";
+  return text.str();
 }
 
 ExrAttributes attributes_of(const RoomScene &scene, const RoomOptions &options, const Device &device) {
@@ -70,12 +104,13 @@ ExrAttributes attributes_of(const RoomScene &scene, const RoomOptions &options, 
 }
 
 void print_header(const RoomScene &scene, const RoomOptions &options, const Device &device) {
+  const RoomPlan plan = plan_room(scene, options);
   std::cout << "greenray " << version() << "   scene " << scene.name << "  \"" << scene.title << "\"\n"
             << "device   " << device.info().address() << " " << device.info().name << " (" << device.info().driver
             << ")\n"
-            << "plan     " << options.size[0] << "x" << options.size[1] << ", " << options.spp << " spp, "
-            << scene.photons.emitted << " photons in " << options.passes << " passes, " << scene.spectrum.samples
-            << " wavelengths, " << scene.surfaces.triangles.size() << " triangles\n";
+            << "plan     " << plan.crop[2] - plan.crop[0] << "x" << plan.crop[3] - plan.crop[1] << ", "
+            << stopping_words(options, plan) << ", " << scene.spectrum.samples << " wavelengths, "
+            << scene.surfaces.triangles.size() << " triangles\n";
   if (scene.air && scene.air->exaggerate != 1)
     std::cout << "air      refractivity EXAGGERATED " << scene.air->exaggerate << " times\n";
   std::cout << std::flush;
@@ -88,8 +123,11 @@ void print_summary(const RoomReport &r, double total) {
             << static_cast<double>(p.photons) / std::max(r.emit_seconds, 1e-9) / 1e6 << " M/s), map " << r.map_seconds
             << ", gather " << r.gather_seconds << " (edges " << r.cover_seconds << ")"
             << ", eye " << r.eye_seconds << "\n         stored " << p.stored[0] << " diffuse, " << p.stored[1]
-            << " caustic; noise " << 100 * r.noise_rms << " %, bias " << 100 * r.bias << " %, medium " << r.air_cells
-            << " cells good to " << 1000 * r.table_error_m << " mm\n";
+            << " caustic, of " << p.photons << " photons in " << r.passes << " passes"
+            << (r.resumed_at > 0 ? ", " + std::to_string(r.resumed_at) + " of them from a checkpoint" : "")
+            << "\n         error " << 100 * r.error_rms << " % (noise " << 100 * r.noise_rms << " %, bias "
+            << 100 * r.bias_rms << " %), medium " << r.air_cells << " cells good to " << 1000 * r.table_error_m
+            << " mm\n";
 }
 
 /// output.aovs says which channels go into the file; left out, all do.
@@ -113,10 +151,16 @@ std::optional<int> render_room_scene(const Arguments &a) {
   if (exr.empty()) exr = fs::path("out") / (scene.name + ".exr");
   const std::shared_ptr<Device> device = open_device(device_options(a));
   { AtomicFile(exr).write("x"); }  // is there room and right to write there?
+  options.checkpoint = fs::path(exr).replace_extension(".grck");
+  for (const char *extension : {".exr", ".png", ".json", ".grck"})
+    remove_stale_temporaries(fs::path(exr).replace_extension(extension));
   const bool quiet = a.has("--quiet"), json = a.has("--json");
   Progress progress(quiet ? Progress::Style::quiet : json ? Progress::Style::json : Progress::Style::text);
   if (!quiet && !json) print_header(scene, options, *device);
-  options.progress = [&](const std::string &phase, double fraction) { progress.show(phase, fraction, 0); };
+  options.progress = [&](const std::string &phase, double fraction, double noise) {
+    progress.show(phase, fraction, noise);
+  };
+  options.note = [](const std::string &words) { std::cerr << "note: " << words << "\n"; };
   RoomPicture picture = render_room(scene, options, device);
   progress.end();
 
@@ -132,6 +176,7 @@ std::optional<int> render_room_scene(const Arguments &a) {
   files.add(fs::path(exr).replace_extension(".json")).write(report.dump(1) + "\n");
   stop_if_asked();
   files.commit();
+  remove_checkpoint(options.checkpoint);
   if (json) std::cout << nlohmann::json{{"event", "done"}, {"report", report}}.dump() << "\n";
   if (!quiet && !json) {
     print_summary(picture.report, seconds_since(begin));
@@ -152,9 +197,9 @@ std::optional<int> check_room_scene(const Arguments &a) {
     return 0;
   }
   std::cout << "scene    " << scene.name << "  \"" << scene.title << "\"  (" << room_hash(scene) << ")\n"
-            << "picture  " << options.size[0] << "x" << options.size[1] << ", " << options.spp << " spp, "
-            << scene.spectrum.samples << " wavelengths\n"
-            << "photons  " << scene.photons.emitted << " in " << options.passes << " passes, " << scene.photons.gather
+            << "picture  " << options.size[0] << "x" << options.size[1] << ", " << scene.spectrum.samples
+            << " wavelengths\n"
+            << "photons  " << stopping_words(options, plan_room(scene, options)) << "; " << scene.photons.gather
             << " an estimate; " << scene.surfaces.triangles.size() << " triangles\n";
   for (const auto &[key, words] : {std::pair{"modelled", "modelled "}, {"left_out", "left out "}})
     for (const std::string what : plan.at(key)) std::cout << words << what << "\n";

@@ -62,7 +62,8 @@ LayerTracer::State::State(std::shared_ptr<Device> d, const LayerTable &table, Pr
       rows(table.wavelength_nm.size()),
       near_above(static_cast<cl_int>(table.near_above)),
       layers_below(static_cast<cl_int>(table.below.front().layers.size())),
-      far_nodes(static_cast<cl_int>(table.far.front().size())) {
+      far_nodes(static_cast<cl_int>(table.far.front().size())),
+      local_size(static_cast<std::size_t>(device.lanes.local_size)) {
   if (is_double() && !device.info.has_double)
     throw DeviceError(device.info.name + " has no double precision: try --precision float or another --device");
   is_double() ? upload<f64::Layer, f64::FarNode, f64::LayerRow>(table)
@@ -117,10 +118,10 @@ cl::Kernel LayerTracer::State::kernel(const char *name, bool with_columns, int g
 
 double LayerTracer::State::launch(cl::Kernel &kernel, std::size_t items, std::size_t rays) {
   try {
-    const std::size_t local = static_cast<std::size_t>(device.lanes.local_size);
-    const std::size_t global = (items + local - 1) / local * local;
+    const std::size_t global = (items + local_size - 1) / local_size * local_size;
     const auto begin = std::chrono::steady_clock::now();
-    device.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(global, rows, rays), cl::NDRange(local, 1, 1));
+    device.queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(global, rows, rays),
+                                      cl::NDRange(local_size, 1, 1));
     device.queue.finish();
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   } catch (const cl::Error &error) {
@@ -212,9 +213,10 @@ std::vector<f64::RayEnd> all_places(State &state, std::span<const double> elevat
 }  // namespace
 
 LayerTracer::LayerTracer(std::shared_ptr<Device> device, const LayerTable &table, Precision precision,
-                         std::function<void()> between_batches)
+                         std::function<void()> between_batches, int local_size)
     : state_(std::make_unique<State>(std::move(device), table, precision)) {
   state_->between_batches = std::move(between_batches);
+  if (local_size > 0) state_->local_size = static_cast<std::size_t>(local_size);
 }
 LayerTracer::~LayerTracer() = default;
 const TraceStats &LayerTracer::stats() const { return state_->stats; }

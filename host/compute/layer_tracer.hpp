@@ -12,10 +12,11 @@ namespace greenray {
 
 class LayerTracer {
  public:
-  /// Uploads the layers. between_batches may throw to stop. Throws DeviceError if double is asked of a device without
-  /// it.
+  /// Uploads the layers. between_batches may throw to stop. local_size: of a work-group, 0: the device's own choice; no
+  /// bit of a result depends on it, nor on which rays are asked for together. Throws DeviceError if double is asked of
+  /// a device without it.
   LayerTracer(std::shared_ptr<Device> device, const LayerTable &table, Precision precision,
-              std::function<void()> between_batches = {});
+              std::function<void()> between_batches = {}, int local_size = 0);
   ~LayerTracer();
 
   /// One end per elevation [rad] and wavelength, [elevations][wavelengths]. Fields that only a stepping solver has

@@ -27,6 +27,7 @@ struct LayerTracer::State {
   Precision precision;
   std::size_t rows;
   cl_int near_above, layers_below, far_nodes;
+  std::size_t local_size;
   bool warm = false;
   std::function<void()> between_batches;
   cl::Buffer above, below, far, row_buffer;

@@ -1,7 +1,6 @@
 #include "compute/photon_map.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <chrono>
 
 #include "compute/photon_map_state.hpp"
@@ -11,24 +10,11 @@
 namespace greenray {
 namespace {
 
-constexpr int digit_bits = 11;  // counters of one chunk: 8 kB, half of a first-level cache
-constexpr int key_cell = 0, key_id = 1, key_bounce = 2;
-constexpr int transposed_at_once = 4096;  // photons of one work-item
+// A chunk and what it is dealt into fit the third-level cache of a core (2 MB); pieces of buckets in it are then long.
+constexpr std::size_t most_of_chunk = 32768, least_of_chunk = 1024;
+constexpr std::size_t photons_of_bucket = 3000, most_buckets = 2048;  // so many fit a second-level cache thrice
 
 std::size_t room(std::size_t photons) { return std::max<std::size_t>(photons, 1); }
-
-/// Chunks follow on one another: each begins at or after the end of the one before.
-bool in_order(const std::vector<ChunkOrder> &chunks) {
-  const ChunkOrder *before = nullptr;
-  for (const ChunkOrder &chunk : chunks) {
-    if (chunk.photons == 0) continue;
-    if (chunk.unsorted) return false;
-    if (before && std::pair(chunk.first_id, chunk.first_bounce) < std::pair(before->last_id, before->last_bounce))
-      return false;
-    before = &chunk;
-  }
-  return true;
-}
 
 }  // namespace
 
@@ -39,14 +25,14 @@ PhotonMap::State::State(std::shared_ptr<Device> d, const PhotonMapOptions &o)
       stride(static_cast<int>(room(o.photons)) + device.lanes.lanes_float),
       records(device, room(o.photons), "photon records"),
       record_power_W(device, room(o.photons) * static_cast<std::size_t>(o.waves), "the power of photons"),
-      pairs{Buffer<KeyedPhoton>{device, room(o.photons), "photon keys"},
-            Buffer<KeyedPhoton>{device, room(o.photons), "photon keys"}},
+      moved(device, room(o.photons), "photons that are filed"),
       order(device, room(o.photons), "the order of photons"),
       x_m(device, static_cast<std::size_t>(stride), "the photon map"),
       y_m(device, static_cast<std::size_t>(stride), "the photon map"),
       z_m(device, static_cast<std::size_t>(stride), "the photon map"),
       power_W(device, static_cast<std::size_t>(stride) * static_cast<std::size_t>(o.waves), "the photon map"),
-      normal(device, static_cast<std::size_t>(stride), "the photon map") {}
+      normal(device, static_cast<std::size_t>(stride), "the photon map"),
+      filing_(device, 1, "the counts of a sort") {}
 
 cl::Kernel &PhotonMap::State::kernel(const char *name) {
   const auto known = kernels_.find(name);
@@ -73,120 +59,72 @@ void PhotonMap::State::launch(const char *name, std::size_t items) {
 }
 
 SortPlan PhotonMap::State::plan_sort(std::size_t count) const {
-  const std::size_t chunks = 8 * std::max(1u, device.info.compute_units);
+  const std::size_t units = 8 * std::max(1u, device.info.compute_units);
+  const std::size_t chunk = options.chunk > 0 ? static_cast<std::size_t>(options.chunk)
+                                              : std::clamp(count / units + 1, least_of_chunk, most_of_chunk);
+  const std::size_t buckets = std::clamp(count / photons_of_bucket, std::min<std::size_t>(units, 64), most_buckets);
   SortPlan plan{};
   plan.photons = static_cast<cl_int>(count);
-  plan.chunk = options.chunk > 0 ? options.chunk : static_cast<cl_int>(std::max<std::size_t>(count / chunks + 1, 1024));
-  plan.shift = std::max(0, static_cast<int>(std::bit_width(static_cast<unsigned>(cells()))) - digit_bits);
-  plan.buckets = (cells() >> plan.shift) + 1;
-  plan.digit_mask = ~0u;
+  plan.chunk = static_cast<cl_int>(chunk);
+  plan.chunks = static_cast<cl_int>((count + chunk - 1) / chunk);
+  plan.cells = cells();
+  while (static_cast<std::size_t>((plan.cells - 1) >> plan.shift) >= buckets) ++plan.shift;
+  plan.buckets = ((plan.cells - 1) >> plan.shift) + 1;
+  const int lanes = device.lanes.lanes_float;
+  plan.row = (plan.buckets / lanes + 1) * lanes + lanes;
   return plan;
 }
 
-/// pairs[from] -> pairs[1 - from], by the plan's digit. Returns whether the records were met in the order of
-/// (id, bounce).
-bool PhotonMap::State::sort_by_digit(const SortPlan &plan, int from) {
-  const Buffer<KeyedPhoton> &before = pairs[static_cast<std::size_t>(from)], &after = pairs[from ? 0 : 1];
-  const std::size_t chunks =
-      std::max<std::size_t>(static_cast<std::size_t>((plan.photons + plan.chunk - 1) / plan.chunk), 1);
-  const std::size_t counters = chunks * static_cast<std::size_t>(plan.buckets);
-  if (!counts_ || counts_->count() < counters) counts_.emplace(device, counters, "the counts of a sort");
-  if (!bucket_start_ || bucket_start_->count() < static_cast<std::size_t>(plan.buckets) + 1)
-    bucket_start_.emplace(device, static_cast<std::size_t>(plan.buckets) + 1, "the counts of a sort");
-  if (!chunk_order_ || chunk_order_->count() < chunks) chunk_order_.emplace(device, chunks, "the counts of a sort");
-
-  cl::Kernel &keys = kernel("key_photons");
-  keys.setArg(0, records.cl());
-  keys.setArg(1, before.cl());
-  keys.setArg(2, counts_->cl());
-  keys.setArg(3, chunk_order_->cl());
-  keys.setArg(4, plan);
-  keys.setArg(5, grid);
-  launch("key_photons", chunks);
-
-  cl::Kernel &scan = kernel("scan_counts");
-  scan.setArg(0, counts_->cl());
-  scan.setArg(1, bucket_start_->cl());
-  scan.setArg(2, plan.buckets);
-  scan.setArg(3, static_cast<cl_int>(chunks));
-  launch("scan_counts", static_cast<std::size_t>(plan.buckets));
-
-  cl::Kernel &totals = kernel("scan_totals");
-  totals.setArg(0, bucket_start_->cl());
-  totals.setArg(1, plan.buckets);
-  launch("scan_totals", 1);
-
-  cl::Kernel &deal = kernel("deal_photons");
-  deal.setArg(0, before.cl());
-  deal.setArg(1, after.cl());
-  deal.setArg(2, bucket_start_->cl());
-  deal.setArg(3, counts_->cl());
-  deal.setArg(4, plan);
-  launch("deal_photons", chunks);
-
-  std::vector<ChunkOrder> chunk_order(chunks);
-  chunk_order_->read(chunk_order.data(), chunks);
-  return in_order(chunk_order);
-}
-
-/// Leaves pairs[1] in the order of (id, bounce): the tie-break, where the records are not so already.
-void PhotonMap::State::sort_by_id(SortPlan plan) {
-  plan.buckets = 1 << digit_bits;
-  plan.digit_mask = (1u << digit_bits) - 1;
-  int from = 0;
-  for (const auto &[key, shift] : {std::pair{key_bounce, 0},
-                                   {key_bounce, digit_bits},
-                                   {key_id, 0},
-                                   {key_id, digit_bits},
-                                   {key_id, 2 * digit_bits}}) {
-    plan.key = key, plan.shift = shift;
-    sort_by_digit(plan, from);
-    from = 1 - from;
-    plan.from_order = 1;
-  }
+void PhotonMap::State::make_room(const SortPlan &plan) {
+  const auto need = [&](auto &buffer, std::size_t count, const char *what) {
+    if (buffer && buffer->count() >= count) return;
+    buffer.reset();
+    buffer.emplace(device, count, what);
+  };
+  const auto chunks = static_cast<std::size_t>(std::max(plan.chunks, 1)), row = static_cast<std::size_t>(plan.row);
+  need(cell_start, static_cast<std::size_t>(plan.cells) + 1, "the cells of the photon map");
+  need(starts_, chunks * row, "the counts of a sort");
+  need(bucket_start_, row, "the counts of a sort");
+  need(chunk_order_, chunks, "the counts of a sort");
 }
 
 void PhotonMap::State::build(std::size_t count, const Bounds &bounds, double cell_m) {
   grid = plan_grid(bounds, cell_m, std::clamp<std::size_t>(2 * count, std::size_t{1} << 12, std::size_t{1} << 24));
-  const std::size_t starts = static_cast<std::size_t>(cells()) + 1;
-  if (!cell_start || cell_start->count() < starts) {
-    cell_start.reset();
-    cell_start.emplace(device, starts, "the cells of the photon map");
-  }
+  const SortPlan plan = plan_sort(count);
+  make_room(plan);
+  const auto bound = [&](const char *name, std::initializer_list<const cl::Buffer *> buffers) -> cl::Kernel & {
+    cl::Kernel &k = kernel(name);
+    cl_uint argument = 0;
+    for (const cl::Buffer *buffer : buffers) k.setArg(argument++, *buffer);
+    return k;
+  };
+  const cl::Buffer &photons = records.cl(), &power = record_power_W.cl(), &starts = starts_->cl(),
+                   &bucket_start = bucket_start_->cl(), &chunk_order = chunk_order_->cl(), &filing = filing_.cl();
   try {
-    SortPlan plan = plan_sort(count);
-    int sorted = 1;
-    if (!sort_by_digit(plan, 0)) {
-      sort_by_id(plan);
-      plan.from_order = 1;
-      sort_by_digit(plan, 1);
-      sorted = 0;
-    }
-    cl::Kernel &sort = kernel("sort_cells");
-    sort.setArg(0, pairs[static_cast<std::size_t>(sorted)].cl());
-    sort.setArg(1, bucket_start_->cl());
-    sort.setArg(2, cell_start->cl());
-    sort.setArg(3, order.cl());
-    sort.setArg(4, plan);
-    sort.setArg(5, cells());
-    launch("sort_cells", static_cast<std::size_t>(plan.buckets));
+    cl::Kernel &deal = bound("deal_photons", {&photons, &power, &order.cl(), &moved.cl(), &starts, &chunk_order});
+    deal.setArg(6, plan);
+    deal.setArg(7, grid);
+    launch("deal_photons", static_cast<std::size_t>(std::max(plan.chunks, 1)));
 
-    cl::Kernel &turn = kernel("transpose");
-    int argument = 0;
-    for (const cl::Buffer &buffer : {records.cl(), record_power_W.cl(), order.cl(), cell_start->cl(), x_m.cl(),
-                                     y_m.cl(), z_m.cl(), normal.cl(), power_W.cl()})
-      turn.setArg(static_cast<cl_uint>(argument++), buffer);
-    turn.setArg(9, cells());
-    turn.setArg(10, transposed_at_once);
-    turn.setArg(11, stride);
-    launch("transpose", static_cast<std::size_t>(stride) / transposed_at_once + 1);
-    cl_int last = 0;
-    device.queue.enqueueReadBuffer(cell_start->cl(), CL_TRUE, static_cast<std::size_t>(cells()) * sizeof(cl_int),
-                                   sizeof(cl_int), &last);
-    filed = static_cast<std::size_t>(last);
+    bound("total_buckets", {&starts, &bucket_start}).setArg(2, plan);
+    const int lanes = device.lanes.lanes_float;
+    launch("total_buckets", static_cast<std::size_t>((plan.buckets + lanes - 1) / lanes));
+
+    bound("scan_buckets", {&chunk_order, &bucket_start, &filing}).setArg(3, plan);
+    launch("scan_buckets", 1);
+
+    cl::Kernel &file =
+        bound("file_photons", {&photons, &power, &moved.cl(), &starts, &bucket_start, &filing, &cell_start->cl(),
+                               &x_m.cl(), &y_m.cl(), &z_m.cl(), &normal.cl(), &power_W.cl(), &order.cl()});
+    file.setArg(13, stride);
+    file.setArg(14, plan);
+    launch("file_photons", static_cast<std::size_t>(plan.buckets));
   } catch (const cl::Error &error) {
     throw_failed_call(error, "filing photons", device.info.name);
   }
+  Filing done{};
+  filing_.read(&done, 1);
+  filed = static_cast<std::size_t>(done.filed);
 }
 
 PhotonMap::PhotonMap(std::shared_ptr<Device> device, const PhotonMapOptions &options)
@@ -220,8 +158,7 @@ int PhotonMap::waves() const { return state_->options.waves; }
 const Device &PhotonMap::device() const { return *state_->owner; }
 
 std::size_t PhotonMap::bytes_per_photon(int waves) {
-  return sizeof(Photon) + 2 * sizeof(KeyedPhoton) + 5 * sizeof(float) +
-         2 * sizeof(float) * static_cast<std::size_t>(waves);
+  return sizeof(Photon) + sizeof(MovedPhoton) + 5 * sizeof(float) + 2 * sizeof(float) * static_cast<std::size_t>(waves);
 }
 
 PhotonMap::Contents PhotonMap::read() const {

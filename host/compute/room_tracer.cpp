@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "compute/photon_map_state.hpp"
@@ -56,6 +57,11 @@ struct RoomTracer::State {
     return k;
   }
 
+  room_twin::PhotonSettings settings_of(const PhotonBatch &batch) const {
+    return {batch.seed,  batch.pass,     batch.first,        batch.photons,       light_count,
+            batch.chunk, batch.slots[0], batch.most_bounces, batch.alone ? 1 : 0, 0};
+  }
+
   void warm_up(const char *entry, cl::Kernel &k) {
     if (!warm.insert(entry).second) return;
     device.compile_seconds += scene.state().launch(k, entry, 1);
@@ -68,9 +74,7 @@ struct RoomTracer::State {
   PhotonTotals trace(const PhotonBatch &batch, const Target &diffuse, const Target &caustic, std::array<int, 2> &most) {
     const std::size_t chunks = batch.chunks();
     Buffer<room_twin::ChunkTally> tallies(device, std::max<std::size_t>(chunks, 1), "tallies of photons");
-    room_twin::PhotonSettings settings{
-        batch.seed,  batch.pass,     batch.first,        batch.photons,       light_count,
-        batch.chunk, batch.slots[0], batch.most_bounces, batch.alone ? 1 : 0, 0};
+    const room_twin::PhotonSettings settings = settings_of(batch);
     PhotonTotals totals;
     try {
       cl_uint next = 0;
@@ -125,6 +129,9 @@ struct RoomTracer::State {
   Filled<room_twin::SpectrumCurve> texels;
   Filled<room_twin::Light> lights;
   Filled<room_twin::LightPrimitive> light_primitives;
+  std::optional<Filled<room_twin::LightProjection>> projections;
+  std::optional<Filled<int>> projected_cells;
+  std::optional<Filled<float>> projected_weights;
   std::map<std::string, cl::Kernel> kernels;
   std::set<std::string> warm;
   double eye_seconds = 0;
@@ -160,11 +167,79 @@ bool RoomTracer::store(const PhotonBatch &batch, PhotonMap &diffuse, PhotonMap &
       throw RunError("a photon map is too small for its photons");
   }
   most = {0, 0};
-  const PhotonTotals now =
+  PhotonTotals now =
       state_->trace(batch, {d.records.cl(), d.record_power_W.cl()}, {c.records.cl(), c.record_power_W.cl()}, most);
+  if (!batch.keep_caustics) most[1] = 0, now.stored[1] = 0;
   if (most[0] > batch.slots[0] || most[1] > batch.slots[1]) return false;
   totals.add(now);
   return true;
+}
+
+std::vector<int> RoomTracer::mark_cells(const PhotonBatch &batch,
+                                        const std::vector<room_twin::LightProjection> &projections, int samples) {
+  State &s = *state_;
+  const std::size_t cells = projections.size() * room_twin::PROJECTION_CELLS;
+  State::Filled<room_twin::LightProjection> lights(s.device, projections, "projection maps");
+  Buffer<int> counts(s.device, std::max<std::size_t>(cells, 1), "projection maps");
+  std::vector<int> found(cells);
+  if (found.empty()) return found;
+  try {
+    cl_uint next = 0;
+    cl::Kernel &k = s.kernel("mark_cells", next);
+    k.setArg(next++, lights.buffer.cl());
+    k.setArg(next++, counts.cl());
+    k.setArg(next + 1, static_cast<cl_int>(samples));
+    room_twin::PhotonSettings settings = s.settings_of(batch);
+    settings.lights = 0;
+    k.setArg(next, settings);
+    s.warm_up("mark_cells", k);
+    settings.lights = s.light_count;
+    k.setArg(next, settings);
+    s.scene.state().launch(k, "mark_cells", cells);
+  } catch (const cl::Error &error) {
+    throw_failed_call(error, "kernel mark_cells", s.device.info.name);
+  }
+  counts.read(found.data(), cells);
+  return found;
+}
+
+void RoomTracer::set_aim(const AimedLights &aim) {
+  state_->projections.emplace(state_->device, aim.lights, "projection maps");
+  state_->projected_cells.emplace(state_->device, aim.cells, "projection maps");
+  state_->projected_weights.emplace(state_->device, aim.weights, "projection maps");
+}
+
+void RoomTracer::store_caustics(const PhotonBatch &batch, PhotonMap &caustic, PhotonTotals &totals) {
+  State &s = *state_;
+  PhotonMap::State &map = caustic.state();
+  if (!s.projections) throw RunError("caustic photons without projection maps");
+  if (map.records.count() < batch.chunks() * static_cast<std::size_t>(batch.slots[0]))
+    throw RunError("a photon map is too small for its photons");
+  Buffer<room_twin::ChunkTally> tallies(s.device, std::max<std::size_t>(batch.chunks(), 1), "tallies of photons");
+  PhotonTotals now;
+  try {
+    cl_uint next = 0;
+    cl::Kernel &k = s.kernel("trace_caustics", next);
+    for (const cl::Buffer &buffer :
+         {s.projections->buffer.cl(), s.projected_cells->buffer.cl(), s.projected_weights->buffer.cl(),
+          map.records.cl(), map.record_power_W.cl(), tallies.cl()})
+      k.setArg(next++, buffer);
+    room_twin::PhotonSettings settings = s.settings_of(batch);
+    settings.photons = 0;
+    k.setArg(next, settings);
+    s.warm_up("trace_caustics", k);
+    settings.photons = batch.photons;
+    k.setArg(next, settings);
+    now.seconds = s.scene.state().launch(k, "trace_caustics", batch.chunks());
+  } catch (const cl::Error &error) {
+    throw_failed_call(error, "kernel trace_caustics", s.device.info.name);
+  }
+  std::vector<room_twin::ChunkTally> read(batch.chunks());
+  tallies.read(read.data(), read.size());
+  std::array<int, 2> most{};
+  for (const room_twin::ChunkTally &t : read) State::note(t, now, most);
+  now.photons = batch.photons;
+  totals.add(now);
 }
 
 EyeBand RoomTracer::see(const room_twin::EyeCamera &camera) {
@@ -197,6 +272,31 @@ EyeBand RoomTracer::see(const room_twin::EyeCamera &camera) {
   radiance.read(band.radiance.data(), band.radiance.size());
   weight.read(band.weight.data(), band.weight.size());
   return band;
+}
+
+std::vector<float> RoomTracer::see_lamps(const room_twin::EyeCamera &camera, const std::vector<int> &pixels) {
+  std::vector<float> lamps(pixels.size() * state_->waves);
+  if (pixels.empty()) return lamps;
+  Buffer<int> list(state_->device, pixels.size(), "pixels at the edges of lamps");
+  Buffer<float> seen(state_->device, lamps.size(), "light of lamps");
+  list.write(pixels.data(), pixels.size());
+  try {
+    cl_uint next = 0;
+    cl::Kernel &k = state_->kernel("see_lamps", next);
+    k.setArg(next++, list.cl());
+    k.setArg(next++, seen.cl());
+    k.setArg(next, camera);
+    if (!state_->warm.count("see_lamps")) {
+      k.setArg(next + 1, cl_int{0});
+      state_->warm_up("see_lamps", k);
+    }
+    k.setArg(next + 1, static_cast<cl_int>(pixels.size()));
+    state_->eye_seconds += state_->scene.state().launch(k, "see_lamps", pixels.size());
+  } catch (const cl::Error &error) {
+    throw_failed_call(error, "kernel see_lamps", state_->device.info.name);
+  }
+  seen.read(lamps.data(), lamps.size());
+  return lamps;
 }
 
 std::vector<room_twin::Cover> RoomTracer::cover(std::span<const GatherPoint> points, std::span<const float> radius_m,

@@ -44,10 +44,18 @@ struct PhotonBatch {
   int chunk = 256;                 // followed by one work-item
   std::array<int, 2> slots{0, 0};  // of each chunk in the diffuse and the caustic map; 0: only counted
   int most_bounces = 64;
-  bool alone = false;  // one wavelength a photon
+  bool alone = false;         // one wavelength a photon
+  bool keep_caustics = true;  // false: they are traced by themselves, aimed; these photons are not stored as such
   std::size_t chunks() const {
     return (photons + static_cast<std::uint32_t>(chunk) - 1) / static_cast<std::uint32_t>(chunk);
   }
+};
+
+/// Where each light's photons go to meet glass and mirrors: kernels/shared/projection.h.
+struct AimedLights {
+  std::vector<room_twin::LightProjection> lights;
+  std::vector<int> cells;      // lists of marked ones
+  std::vector<float> weights;  // [lights][PROJECTION_CELLS]
 };
 
 /// What eye paths brought: [samples], and [samples][waves].
@@ -70,8 +78,17 @@ class RoomTracer {
   /// rely on in the maps, when a chunk needed more slots than it had; `most` then says how many
   bool store(const PhotonBatch &batch, PhotonMap &diffuse, PhotonMap &caustic, PhotonTotals &totals,
              std::array<int, 2> &most);
+  /// Tries each cell of each light with `samples` photons. returns: [lights][PROJECTION_CELLS], how many of them meet a
+  /// surface that is not Lambert first
+  std::vector<int> mark_cells(const PhotonBatch &batch, const std::vector<room_twin::LightProjection> &projections,
+                              int samples);
+  void set_aim(const AimedLights &aim);
+  /// Traces a batch of aimed photons into the map's records, one slot for each. Their powers are not in the totals.
+  void store_caustics(const PhotonBatch &batch, PhotonMap &caustic, PhotonTotals &totals);
   /// camera.width * rows * samples paths
   EyeBand see(const room_twin::EyeCamera &camera);
+  /// The light of lamps alone, [pixels][waves], mean of camera.samples paths through each of these pixels of the band.
+  std::vector<float> see_lamps(const room_twin::EyeCamera &camera, const std::vector<int> &pixels);
   double eye_seconds() const;
   /// Paths to their next surface, as in SurfaceScene.
   std::vector<surface32::PathEnd> trace(std::span<const surface32::PathStart> starts);

@@ -88,12 +88,7 @@ SkyShader::SkyShader(std::shared_ptr<Device> device, const SkyTable &table, int 
 }
 SkyShader::~SkyShader() = default;
 
-void SkyShader::begin(const f32::SkyView &view) {
-  state_->view = view;
-  const std::vector<float> zeros(state_->pixels() * static_cast<std::size_t>(std::max(state_->waves, 2)), 0.0f);
-  state_->spectra.write(zeros.data(), state_->pixels() * static_cast<std::size_t>(state_->waves));
-  state_->moments.write(zeros.data(), state_->pixels() * 2);
-}
+void SkyShader::begin(const f32::SkyView &view) { state_->view = view; }
 
 void SkyShader::add_samples(int first_sample, int samples, const std::function<void()> &between) {
   f32::SkyView view = state_->view;
@@ -102,13 +97,10 @@ void SkyShader::add_samples(int first_sample, int samples, const std::function<v
   state_->launch(view, between);
 }
 
-SkyShader::Sums SkyShader::read() const {
-  Sums sums;
-  sums.spectra.resize(state_->pixels() * static_cast<std::size_t>(state_->waves));
-  sums.moments.resize(state_->pixels() * 2);
-  state_->spectra.read(sums.spectra.data(), sums.spectra.size());
-  state_->moments.read(sums.moments.data(), sums.moments.size());
-  return sums;
+void SkyShader::with_sums(const std::function<void(const SkySums &)> &use) const {
+  const auto spectra = state_->spectra.map(state_->pixels() * static_cast<std::size_t>(state_->waves));
+  const auto moments = state_->moments.map(state_->pixels() * 2);
+  use({spectra.values(), moments.values()});
 }
 
 }  // namespace greenray

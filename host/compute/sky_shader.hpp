@@ -2,6 +2,7 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "compute/device.hpp"
@@ -19,22 +20,25 @@ struct SkyTable {
 /// Wavelengths rounded up to whole groups of the device's lanes.
 int padded_waves(const Device &device, int wavelengths);
 
+/// Sums over the samples of a band of rows.
+struct SkySums {
+  std::span<const float> spectra;  // [rows][width][waves padded]
+  std::span<const float> moments;  // [rows][width][2]: sum and sum of squares of the spectrum's sum
+};
+
 /// Accumulates samples for a band of rows; the band's memory counts against the device's budget.
 class SkyShader {
  public:
   SkyShader(std::shared_ptr<Device> device, const SkyTable &table, int width, int most_rows);
   ~SkyShader();
 
-  /// Starts a band: view.first_row, view.rows; sums are cleared.
+  /// Starts a band: view.first_row, view.rows. Its first samples (first_sample 0) replace what the last band left.
   void begin(const f32::SkyView &view);
   /// Adds samples first_sample .. first_sample + samples - 1 to every pixel of the band. between: called between the
   /// launches of a large band; may throw to stop.
   void add_samples(int first_sample, int samples, const std::function<void()> &between = {});
-  struct Sums {
-    std::vector<float> spectra;  // [rows][width][waves]
-    std::vector<float> moments;  // [rows][width][2]: sum and sum of squares of the band mean
-  };
-  Sums read() const;
+  /// Shows the band's sums to `use`, in place where the device shares the host's memory.
+  void with_sums(const std::function<void(const SkySums &)> &use) const;
   /// Bytes that a band of this many rows needs on the device.
   static std::size_t band_bytes(int width, int rows, int waves);
 

@@ -32,15 +32,16 @@ SurfaceScene::State::State(std::shared_ptr<Device> d, const SurfaceTree &tree, c
       lanes(tree.lanes),
       curved(!air.is_straight()),
       bounds(tree.bounds),
-      shape{static_cast<int>(air.cells), static_cast<float>(air.extinction_per_m),
-            static_cast<float>(longest_sag_m > 0 ? longest_sag_m : 0.05 * largest_extent_m(tree.bounds)), 0},
+      shape{static_cast<int>(air.layers.size()), static_cast<int>(air.cells), static_cast<float>(air.extinction_per_m),
+            static_cast<float>(longest_sag_m > 0 ? longest_sag_m : 0.05 * largest_extent_m(tree.bounds))},
       boxes(device, room_for(tree.boxes.size()), "the tree's boxes"),
       blocks(device, room_for(tree.blocks.size()), "the tree's triangles"),
       children(device, room_for(tree.children.size()), "the tree's nodes"),
       block_ids(device, room_for(tree.block_ids.size()), "the tree's triangle numbers"),
       triangles(device, room_for(tree.triangles.size()), "the triangles"),
       spheres(device, room_for(tree.spheres.size()), "the spheres"),
-      cells(device, room_for(air.rows.size()), "the medium") {
+      layers(device, air.layers.size(), "the medium"),
+      cells(device, air.rows.size(), "the medium") {
   if (lanes != lanes_for(*owner)) throw std::invalid_argument("SurfaceScene: the tree was laid out for other lanes");
   fill(boxes, tree.boxes);
   fill(blocks, tree.blocks);
@@ -48,6 +49,7 @@ SurfaceScene::State::State(std::shared_ptr<Device> d, const SurfaceTree &tree, c
   fill(block_ids, tree.block_ids);
   fill(triangles, tree.triangles);
   fill(spheres, tree.spheres);
+  fill(layers, air.narrowed_layers());
   fill(cells, air.narrowed());
 }
 
@@ -64,6 +66,7 @@ cl_uint SurfaceScene::State::bind_surfaces(cl::Kernel &kernel, cl_uint first) co
 
 cl_uint SurfaceScene::State::bind(cl::Kernel &kernel, cl_uint first) const {
   first = bind_surfaces(kernel, first);
+  kernel.setArg(first++, layers.cl());
   kernel.setArg(first++, cells.cl());
   kernel.setArg(first++, shape);
   return first;

@@ -14,7 +14,7 @@ struct SurfaceScene::State {
 
   /// Sets the arguments GEOMETRY_BUFFERS. returns: the next free argument
   cl_uint bind_surfaces(cl::Kernel &kernel, cl_uint first) const;
-  /// Sets the arguments GEOMETRY_BUFFERS, air cells and air shape. returns: the next free argument
+  /// Sets the arguments GEOMETRY_BUFFERS and AIR_BUFFERS. returns: the next free argument
   cl_uint bind(cl::Kernel &kernel, cl_uint first) const;
   /// A program that includes surface/surface.h; words: more " -DNAME=VALUE".
   cl::Program program(const std::string &entry, const std::string &words = "") const;
@@ -31,6 +31,7 @@ struct SurfaceScene::State {
   Buffer<int> children, block_ids;
   Buffer<surface32::SurfaceTriangle> triangles;
   Buffer<surface32::SurfaceSphere> spheres;
+  Buffer<surface32::AirLayer> layers;
   Buffer<surface32::AirCell> cells;
   std::optional<Buffer<surface32::Segment>> segments;  // loaded
   std::optional<Buffer<surface32::SegmentHit>> segment_hits;

@@ -17,6 +17,7 @@
 #include <mutex>
 
 #include "image/exr.hpp"
+#include "image/exr_chunks.hpp"
 #include "image/picture_source.hpp"
 #include "support/error.hpp"
 #include "support/parallel.hpp"
@@ -40,7 +41,6 @@ std::optional<double> number_attribute(const Imf::Header &header, const char *na
 class ExrSource : public PictureSource {
  public:
   ExrSource(const fs::path &path, const SourceOptions &options) : path_(path) {
-    if (Imf::globalThreadCount() == 0) Imf::setGlobalThreadCount(static_cast<int>(host_threads()));
     file_ = std::make_unique<Imf::MultiPartInputFile>(path.c_str());
     part_ = std::make_unique<Imf::InputPart>(*file_, 0);
     const Imf::Header &header = file_->header(0);
@@ -52,22 +52,18 @@ class ExrSource : public PictureSource {
     check_size(header);
     choose_channels(header, options);
     read_geometry(header);
+    chunks_ = ExrChunks::open(path);
+    if (chunks_) part_.reset(), file_.reset();
+    else if (Imf::globalThreadCount() == 0) Imf::setGlobalThreadCount(static_cast<int>(host_threads()));
   }
 
   void read(int first, int rows, std::vector<float> &planes) override {
     const auto width = static_cast<std::size_t>(facts_.width);
     const std::size_t count = static_cast<std::size_t>(rows) * width;
     planes.resize(count * channels_.size());
-    const int top = window_.min.y + first;
-    Imf::FrameBuffer frame;
-    for (std::size_t k = 0; k < channels_.size(); ++k) {
-      const Imath::V2i origin(window_.min.x, top);
-      frame.insert(channels_[k], Imf::Slice::Make(Imf::FLOAT, planes.data() + k * count, origin, facts_.width, rows));
-    }
     try {
-      const std::lock_guard<std::mutex> guard(lock_);
-      part_->setFrameBuffer(frame);
-      part_->readPixels(top, top + rows - 1);
+      if (chunks_) chunks_->read(first, rows, channels_, planes.data());
+      else read_tiles(first, rows, count, planes);
     } catch (const std::exception &problem) {
       throw complaint(path_, std::string("not a readable EXR file (") + problem.what() + ")");
     }
@@ -77,6 +73,18 @@ class ExrSource : public PictureSource {
   }
 
  private:
+  void read_tiles(int first, int rows, std::size_t count, std::vector<float> &planes) {
+    const int top = window_.min.y + first;
+    Imf::FrameBuffer frame;
+    for (std::size_t k = 0; k < channels_.size(); ++k) {
+      const Imath::V2i origin(window_.min.x, top);
+      frame.insert(channels_[k], Imf::Slice::Make(Imf::FLOAT, planes.data() + k * count, origin, facts_.width, rows));
+    }
+    const std::lock_guard<std::mutex> guard(lock_);
+    part_->setFrameBuffer(frame);
+    part_->readPixels(top, top + rows - 1);
+  }
+
   /// A damaged header can claim any size; no compression of OpenEXR shrinks pixels more than about 1000 times.
   void check_size(const Imf::Header &header) {
     const std::int64_t width = std::int64_t{window_.max.x} - window_.min.x + 1;
@@ -176,7 +184,8 @@ class ExrSource : public PictureSource {
   }
 
   fs::path path_;
-  std::unique_ptr<Imf::MultiPartInputFile> file_;
+  std::unique_ptr<ExrChunks> chunks_;              // of scanlines; else
+  std::unique_ptr<Imf::MultiPartInputFile> file_;  // of tiles, which the C++ library joins to rows
   std::unique_ptr<Imf::InputPart> part_;
   Imath::Box2i window_;
   std::vector<std::string> channels_;

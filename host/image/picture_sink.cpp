@@ -45,7 +45,7 @@ class MemorySink : public PictureSink {
  public:
   MemorySink(RgbImage &image, int width, int height) : image_(image) {
     image.width = width, image.height = height;
-    image.rgb.assign(3 * image.pixels(), 0.0F);
+    image.rgb.resize(3 * image.pixels());
   }
   void put(int first_row, int, std::vector<float> &&rgb) override {
     std::copy(
@@ -138,14 +138,16 @@ class PngSink : public PictureSink {
     return bytes;
   }
 
-  /// A run of whole deflate blocks that ends on a byte, without reference to what came before.
+  /// A run of whole deflate blocks that ends on a byte, without reference to what came before. Between dithered
+  /// neighbours there are no words to find again: Huffman codes and runs of equal bytes are as small as the search for
+  /// words leaves them, in half the time.
   DeflatedRows deflate_rows(int first_row, int rows, const std::vector<float> &rgb) const {
     const std::vector<unsigned char> raw = filtered(first_row, rows, rgb);
     DeflatedRows result;
     result.raw_bytes = raw.size();
     result.adler = adler32(adler32(0, nullptr, 0), raw.data(), static_cast<uInt>(raw.size()));
     z_stream stream{};
-    if (deflateInit2(&stream, 2, Z_DEFLATED, -15, 9, Z_DEFAULT_STRATEGY) != Z_OK) throw RunError("zlib does not start");
+    if (deflateInit2(&stream, 1, Z_DEFLATED, -15, 9, Z_RLE) != Z_OK) throw RunError("zlib does not start");
     result.bytes.resize(deflateBound(&stream, static_cast<uLong>(raw.size())) + 64);
     stream.next_in = const_cast<Bytef *>(raw.data());
     stream.avail_in = static_cast<uInt>(raw.size());

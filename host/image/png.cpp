@@ -24,13 +24,9 @@ std::uint32_t hashed(std::uint32_t value) {
   return (word >> 22U) ^ word;
 }
 
-double uniform(std::uint32_t value) { return hashed(value) * (1.0 / 4294967296.0); }
-
-/// Triangular in (-1, 1), fixed seed.
-double triangular_noise(std::size_t sample) {
-  constexpr std::uint32_t seed = 0x9E3779B9U;
-  const auto counter = static_cast<std::uint32_t>(2 * sample);
-  return uniform(counter ^ seed) - uniform((counter + 1U) ^ seed);
+/// In [0, 1), 24 bits.
+float uniform(std::uint32_t value) {
+  return static_cast<float>(static_cast<std::int32_t>(hashed(value) >> 8U)) * (1.0F / 16777216.0F);
 }
 
 /// libpng reports by longjmp; the message waits here, on the heap, until we are back in C++.
@@ -123,6 +119,22 @@ GREENRAY_VECTOR_CLONES static void encode_levels(const float *linear, std::size_
   }
 }
 
+/// Triangular noise of +-1 step with a fixed seed; it narrows towards 0 and full, which stay exact.
+GREENRAY_VECTOR_CLONES static void add_noise(std::uint32_t first_sample, std::size_t count, float full, float *levels) {
+  constexpr std::uint32_t seed = 0x9E3779B9U;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t counter = 2U * (first_sample + static_cast<std::uint32_t>(i));
+    const float noise = uniform(counter ^ seed) - uniform((counter + 1U) ^ seed);
+    const float above = levels[i] < 1.0F ? levels[i] : 1.0F, below = full - levels[i];
+    levels[i] += noise * (above < below ? above : below);
+  }
+}
+
+GREENRAY_VECTOR_CLONES static void round_levels(const float *levels, std::size_t count, std::uint16_t *to) {
+  for (std::size_t i = 0; i < count; ++i)
+    to[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(levels[i] + 0.5F));
+}
+
 void quantise_samples(const float *display_linear, std::size_t count, std::size_t first_sample, int bits, bool dither,
                       std::uint16_t *levels) {
   const float full = bits == 8 ? 255.0F : 65535.0F;
@@ -131,12 +143,8 @@ void quantise_samples(const float *display_linear, std::size_t count, std::size_
   for (std::size_t begin = 0; begin < count; begin += block) {
     const std::size_t some = std::min(block, count - begin);
     encode_levels(display_linear + begin, some, full, exact);
-    for (std::size_t i = 0; i < some; ++i) {
-      double level = static_cast<double>(exact[i]);
-      const double room = std::min({1.0, level, static_cast<double>(full) - level});
-      if (dither) level += triangular_noise(first_sample + begin + i) * room;
-      levels[begin + i] = static_cast<std::uint16_t>(level + 0.5);
-    }
+    if (dither) add_noise(static_cast<std::uint32_t>(first_sample + begin), some, full, exact);
+    round_levels(exact, some, levels + begin);
   }
 }
 

@@ -29,6 +29,8 @@ struct PhotonMapper::State {
         : map(d, {photons, o.waves, o.local_size}), nearest(k) {}
     PhotonMap map;
     int nearest;
+    std::size_t records = 0;
+    double middle_m = 0;  // radius that the cells are made for; 0: not known yet
     std::vector<float> radius_m;
   };
 
@@ -59,84 +61,64 @@ struct PhotonMapper::State {
     return radius_m > 0 ? std::min(radius_m, options.most_radius_m) : options.most_radius_m;
   }
 
-  struct Estimates {
-    GatherAnswers answers;
-    std::vector<float> radius_m;
-  };
+  void file(Side &side, std::size_t records) {
+    side.records = records;
+    const double radius_m = side.middle_m > 0 ? side.middle_m * ratio : first_radius_m(side, records);
+    side.map.build(records, options.bounds, cell_of_radius(radius_m));
+  }
 
-  /// Finds radii for good, and what lies within them.
-  Estimates first_estimates(Side &side, double guess_m, std::span<const GatherPoint> places) {
+  /// The radii of the nearest k are the same whatever the cells are.
+  void survey(Side &side) {
+    const double guess_m = first_radius_m(side, side.records);
+    search(side, guess_m);
+    std::vector<float> found;
+    for (const Gathered &g : gather.read().gathered)
+      if (g.count > 0) found.push_back(g.radius_m);
+    side.middle_m = found.empty() ? static_cast<double>(static_cast<float>(guess_m)) : median(std::move(found));
+    if (side.middle_m < 0.8 * guess_m || side.middle_m > 1.25 * guess_m) file(side, side.records);
+  }
+
+  void search(Side &side, double guess_m) {
     GatherSettings s = settings();
-    if (side.nearest == 0) {
-      gather.within(side.map, s);
-      side.radius_m.assign(places.size(), s.radius_m);
-      return {gather.read(), side.radius_m};
-    }
-    s.nearest = side.nearest, s.guess_m = static_cast<float>(guess_m);
-    gather.nearest(side.map, s);
-    Estimates found{gather.read(), {}};
-    for (const Gathered &g : found.answers.gathered) found.radius_m.push_back(g.radius_m);
-    limit_radius_slope(places, options.columns, options.samples, options.radius_slope, found.radius_m);
-    ask_again_where_lowered(side, places, found);
-    side.radius_m = found.radius_m;
-    return found;
+    s.nearest = side.nearest;
+    s.guess_m = static_cast<float>(guess_m);
+    if (side.nearest > 0) gather.nearest(side.map, s);
+    else gather.within(side.map, s);
   }
 
-  void ask_again_where_lowered(Side &side, std::span<const GatherPoint> places, Estimates &found) {
-    std::vector<std::size_t> lowered;
-    std::vector<GatherPoint> at;
-    std::vector<float> radius_m;
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      if (!(found.radius_m[i] < found.answers.gathered[i].radius_m)) continue;
-      lowered.push_back(i), at.push_back(places[i]), radius_m.push_back(found.radius_m[i]);
-    }
-    if (lowered.empty()) return;
-    gather.set_points(at);
+  /// Radii of places, appended: those of the nearest k, a hair less, so that the k-th itself stays outside.
+  void find_radii(Side &side, std::span<const GatherPoint> places) {
+    search(side, side.middle_m > 0 ? side.middle_m : first_radius_m(side, side.records));
+    const std::vector<Gathered> found = gather.read().gathered;
+    const float hair = side.nearest > 0 ? 1 - 3e-7f : 1;
+    for (std::size_t i = 0; i < places.size(); ++i)
+      side.radius_m.push_back(is_place(places[i]) || side.middle_m == 0 ? hair * found[i].radius_m
+                                                                        : static_cast<float>(side.middle_m));
+  }
+
+  void ask(Side &side, std::size_t first, std::span<const GatherPoint> places, PassIrradiance &sum) {
+    const auto begin = side.radius_m.begin() + static_cast<std::ptrdiff_t>(first);
+    std::vector<float> radius_m(begin, begin + static_cast<std::ptrdiff_t>(places.size()));
+    for (float &r : radius_m) r *= static_cast<float>(ratio);
     gather.within(side.map, settings(), radius_m);
-    const GatherAnswers again = gather.read();
-    const auto waves = static_cast<std::size_t>(options.waves);
-    for (std::size_t i = 0; i < lowered.size(); ++i) {
-      found.answers.gathered[lowered[i]] = again.gathered[i], found.answers.spread[lowered[i]] = again.spread[i];
-      for (std::size_t w = 0; w < waves; ++w)
-        found.answers.irradiance[lowered[i] * waves + w] = again.irradiance[i * waves + w];
-    }
-    gather.set_points(places);
-  }
-
-  Estimates later_estimates(const Side &side, double ratio) {
-    Estimates found{{}, side.radius_m};
-    for (float &r : found.radius_m) r *= static_cast<float>(ratio);
-    gather.within(side.map, settings(), found.radius_m);
-    found.answers = gather.read();
-    return found;
-  }
-
-  void add(const Estimates &found, std::span<const GatherPoint> places, PassIrradiance &sum) const {
+    const GatherAnswers answers = gather.read();
     std::vector<GatherCover> covers(places.size());
-    if (options.cover) covers = options.cover(places, found.radius_m);
+    if (options.cover) covers = options.cover(places, radius_m);
     const auto waves = static_cast<std::size_t>(options.waves);
     for (std::size_t i = 0; i < places.size(); ++i) {
       const float whole = 1 / covers[i].whole;
       for (std::size_t w = 0; w < waves; ++w)
-        sum.irradiance[i * waves + w] += found.answers.irradiance[i * waves + w] * whole;
-      sum.narrower[i] += found.answers.spread[i].inner_W_m2 / covers[i].inner;
-      sum.variance[i] += found.answers.spread[i].variance_W2_m4 * whole * whole;
-      sum.photons[i] += found.answers.gathered[i].count;
+        sum.irradiance[i * waves + w] += answers.irradiance[i * waves + w] * whole;
+      sum.narrower[i] += answers.spread[i].inner_W_m2 / covers[i].inner;
+      sum.variance[i] += answers.spread[i].variance_W2_m4 * whole * whole;
+      sum.photons[i] += answers.gathered[i].count;
     }
   }
 
-  /// Pass 0 looks for the radii, later ones have them.
-  void ask(Side &side, int pass, std::size_t records, std::span<const GatherPoint> places, PassIrradiance &sum) {
-    const double ratio = pass_radius_ratio(pass, options.alpha), begin = now();
-    const bool search = side.radius_m.empty();
-    const double radius_m = search ? first_radius_m(side, records) : median(side.radius_m) * ratio;
-    side.map.build(records, options.bounds, cell_of_radius(radius_m));
-    const double built = now();
-    sum.build_seconds += built - begin;
-    const double compiled = device->compile_seconds();
-    const Estimates found = search ? first_estimates(side, radius_m, places) : later_estimates(side, ratio);
-    add(found, places, sum);
-    sum.gather_seconds += now() - built - (device->compile_seconds() - compiled);
+  template <class F>
+  void each_side(const F &f) {
+    f(diffuse);
+    if (caustic) f(*caustic);
   }
 
   std::shared_ptr<Device> device;
@@ -144,6 +126,8 @@ struct PhotonMapper::State {
   PhotonGather gather;
   Side diffuse;
   std::unique_ptr<Side> caustic;
+  int pass = -1;  // filed
+  double ratio = 1;
 };
 
 PhotonMapper::PhotonMapper(std::shared_ptr<Device> device, const PhotonMapperOptions &options)
@@ -153,34 +137,93 @@ PhotonMapper::~PhotonMapper() = default;
 PhotonMap &PhotonMapper::diffuse() { return state_->diffuse.map; }
 PhotonMap *PhotonMapper::caustic() { return state_->caustic ? &state_->caustic->map : nullptr; }
 
-PassIrradiance PhotonMapper::gather(int pass, std::size_t diffuse_records, std::size_t caustic_records,
-                                    std::span<const GatherPoint> places) {
+double PhotonMapper::file(int pass, std::size_t diffuse_records, std::size_t caustic_records) {
   State &s = *state_;
-  if (pass < 0 || (pass > 0 && s.diffuse.radius_m.empty() && !places.empty()))
-    throw RunError("a later pass of photons without the radii of the first");
-  if (!s.diffuse.radius_m.empty() && s.diffuse.radius_m.size() != places.size())
-    throw RunError("a pass of photons with other places than the first");
+  if (pass < 0) throw RunError("passes of photons are counted from 0");
+  const double begin = now();
+  s.pass = pass;
+  s.ratio = pass_radius_ratio(pass, s.options.alpha);
+  s.file(s.diffuse, diffuse_records);
+  if (s.caustic) s.file(*s.caustic, caustic_records);
+  return now() - begin;
+}
+
+void PhotonMapper::survey(std::span<const GatherPoint> places) {
+  if (state_->pass != 0 || places.empty()) return;
+  state_->gather.set_points(places);
+  state_->each_side([&](State::Side &side) { state_->survey(side); });
+}
+
+void PhotonMapper::find_radii(std::span<const GatherPoint> places) {
+  if (places.empty()) return;
+  state_->gather.set_points(places);
+  state_->each_side([&](State::Side &side) { state_->find_radii(side, places); });
+}
+
+void PhotonMapper::settle_radii(std::span<const GatherPoint> places, std::size_t columns, std::size_t samples) {
+  state_->each_side([&](State::Side &side) {
+    if (side.nearest > 0) limit_radius_slope(places, columns, samples, state_->options.radius_slope, side.radius_m);
+  });
+}
+
+void PhotonMapper::keep_radii(std::span<const std::size_t> places) {
+  state_->each_side([&](State::Side &side) {
+    std::vector<float> kept;
+    for (const std::size_t i : places) kept.push_back(side.radius_m.at(i));
+    side.radius_m = std::move(kept);
+  });
+}
+
+PassIrradiance PhotonMapper::ask(std::size_t first, std::span<const GatherPoint> places) {
+  State &s = *state_;
+  if (s.pass < 0) throw RunError("a gather before any photons were filed");
   PassIrradiance sum;
   sum.irradiance.resize(places.size() * static_cast<std::size_t>(s.options.waves));
   sum.narrower.resize(places.size()), sum.variance.resize(places.size()), sum.photons.resize(places.size());
   if (places.empty()) return sum;
+  const double begin = now(), compiled = s.device->compile_seconds();
   s.gather.set_points(places);
-  s.ask(s.diffuse, pass, diffuse_records, places, sum);
-  if (s.caustic) s.ask(*s.caustic, pass, caustic_records, places, sum);
+  s.each_side([&](State::Side &side) {
+    if (side.radius_m.size() < first + places.size())
+      throw RunError("photons are asked for other places than their radii were found for");
+    s.ask(side, first, places, sum);
+  });
+  sum.gather_seconds = now() - begin - (s.device->compile_seconds() - compiled);
+  return sum;
+}
+
+PassIrradiance PhotonMapper::gather(int pass, std::size_t diffuse_records, std::size_t caustic_records,
+                                    std::span<const GatherPoint> places) {
+  const double build_seconds = file(pass, diffuse_records, caustic_records);
+  if (pass == 0) {
+    survey(places);
+    state_->each_side([](State::Side &side) { side.radius_m.clear(); });
+    find_radii(places);
+    settle_radii(places, state_->options.columns, state_->options.samples);
+  }
+  PassIrradiance sum = ask(0, places);
+  sum.build_seconds = build_seconds;
   return sum;
 }
 
 std::vector<float> PhotonMapper::radii() const {
-  std::vector<float> all = state_->diffuse.radius_m;
-  if (state_->caustic) all.insert(all.end(), state_->caustic->radius_m.begin(), state_->caustic->radius_m.end());
+  std::vector<float> all;
+  state_->each_side([&](const State::Side &side) {
+    if (side.radius_m.empty()) return;
+    all.push_back(static_cast<float>(side.middle_m));
+    all.insert(all.end(), side.radius_m.begin(), side.radius_m.end());
+  });
   return all;
 }
 
 void PhotonMapper::set_radii(std::span<const float> radii) {
   const std::size_t maps = state_->caustic ? 2 : 1, each = radii.size() / maps;
-  if (each * maps != radii.size()) throw RunError("the radii of other maps than these");
-  state_->diffuse.radius_m.assign(radii.begin(), radii.begin() + static_cast<std::ptrdiff_t>(each));
-  if (state_->caustic) state_->caustic->radius_m.assign(radii.begin() + static_cast<std::ptrdiff_t>(each), radii.end());
+  if (each * maps != radii.size() || each == 0) throw RunError("the radii of other maps than these");
+  state_->each_side([&](State::Side &side) {
+    side.middle_m = static_cast<double>(radii[0]);
+    side.radius_m.assign(radii.begin() + 1, radii.begin() + static_cast<std::ptrdiff_t>(each));
+    radii = radii.last(radii.size() - each);
+  });
 }
 
 std::size_t PhotonMapper::device_bytes(std::size_t records, std::size_t places, int waves) {

@@ -29,11 +29,16 @@ struct PhotonMapperOptions {
   double flatness = 0.25, facing_deg = 60;
   double alpha = 2.0 / 3;  // of the shrinking radius
   int local_size = 0;
-  /// Places are a picture: [rows][columns][samples]. columns 0: they are not, and radii are left as found.
+  /// For gather(): places are a picture, [rows][columns][samples]. columns 0: they are not, and radii are left as
+  /// found.
   std::size_t columns = 0, samples = 1;
   double radius_slope = 0.2;  // limit_radius_slope
   CoverFinder cover;          // empty: discs are taken as whole, and edges are too dark
 };
+
+/// A place far from everything, for paths that ask nothing: it keeps their number.
+constexpr GatherPoint no_place() { return {{3e8f, 3e8f, 3e8f}, 0}; }
+constexpr bool is_place(const GatherPoint &point) { return point.place_m[0] < 1e8f; }
 
 /// Answers of a pass for each place, both maps together. Irradiance in the unit of the powers per m^2.
 struct PassIrradiance {
@@ -55,13 +60,27 @@ class PhotonMapper {
   PhotonMap &diffuse();
   PhotonMap *caustic();
 
-  /// One pass over all places. `diffuse_records`, `caustic_records`: how many slots of each map are in use, holes
-  /// included. The places are those of pass 0 in the same order, moved by less than a pixel: place i keeps its radius.
-  /// A run that is taken up again at a later pass is given the radii of the first by set_radii.
+  /// Files the photons of a pass. `diffuse_records`, `caustic_records`: how many slots of each map are in use, holes
+  /// included. returns: seconds
+  double file(int pass, std::size_t diffuse_records, std::size_t caustic_records);
+  /// After the first pass was filed: the middle radius at these places sets the size of the grids' cells. Cells do not
+  /// change which photons are found, but in what order they are summed: the same places, the same bits.
+  void survey(std::span<const GatherPoint> places);
+  /// In pass 0: the radii of places, after those found already.
+  void find_radii(std::span<const GatherPoint> places);
+  /// Then: keeps radii from reaching over bright edges (render/radius_field.hpp). All places, a picture.
+  void settle_radii(std::span<const GatherPoint> places, std::size_t columns, std::size_t samples);
+  /// And forgets all radii but these, in this order.
+  void keep_radii(std::span<const std::size_t> places);
+  /// Asks the filed photons for places first .. first + places.size(), in any parts. Place i of every pass is that of
+  /// pass 0, moved by less than a pixel, and keeps its radius.
+  PassIrradiance ask(std::size_t first, std::span<const GatherPoint> places);
+  /// All of it: file; in pass 0 survey by these places themselves and find their radii; ask.
   PassIrradiance gather(int pass, std::size_t diffuse_records, std::size_t caustic_records,
                         std::span<const GatherPoint> places);
 
-  /// [places] of the diffuse map, then of the caustic one; empty before pass 0.
+  /// What a run that is taken up again at a later pass needs: middle radius and [places] of the diffuse map, then of
+  /// the caustic one; empty before pass 0.
   std::vector<float> radii() const;
   void set_radii(std::span<const float> radii);
 

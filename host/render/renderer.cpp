@@ -6,10 +6,11 @@
 
 #include "render/host_rays.hpp"
 #include "render/sky.hpp"
+#include "render/sky_own_rays.hpp"
+#include "render/sky_picture.hpp"
 #include "render/sun_place.hpp"
 #include "render/transfer_curve.hpp"
 #include "support/angle.hpp"
-#include "support/parallel.hpp"
 
 namespace greenray {
 namespace {
@@ -20,6 +21,7 @@ double seconds_since(Clock::time_point begin) { return std::chrono::duration<dou
 std::atomic<bool> stop_flag{false};
 
 constexpr std::size_t lookup_probes = 64;
+constexpr std::size_t cached_bytes = std::size_t{8} << 20;  // a band of this size is still in cache when it is read
 
 class Renderer {
  public:
@@ -70,7 +72,7 @@ class Renderer {
     const std::size_t row = plan_.bent_nm.size() / 2;
     const IndexTable &table = rays_->table();
     const IndexTable fine = build_index_table(profile_, {plan_.bent_nm[row]},
-                                              {flat_, scene_.tracing.table_arcsec / 30, scene_.observer.height_m});
+                                              {flat_, rays_->index_error_arcsec() / 30, scene_.observer.height_m});
     std::vector<double> elevations;
     for (int i = 0; i < 48; ++i)
       elevations.push_back(to_rad(plan_.first_elevation_deg) +
@@ -112,8 +114,8 @@ class Renderer {
     report_.trace = rays_->stats();  // of the picture's own rays; those below are measurements
     probes_ = probe_between(*rays_, transfer_, lookup_probes);
     report_.lookup_arcsec = lookup_error_arcsec(transfer_, probes_);
-    towards_sun_ = for_all_wavelengths(trace_elevations(*rays_, {to_rad(sunlight_altitude_deg())}).rays);
-    at_10_degrees_ = for_all_wavelengths(trace_elevations(*rays_, {to_rad(10)}).rays);
+    light_ = {scene_.sky, sun_, rays_at(sunlight_altitude_deg()), rays_at(10),
+              spectral_air(scene_, plan_.wavelengths_nm)};
     share_wavelengths();
     report_.table_in_image = rays_->table_in_image();
     if (plan_.method != RayMethod::cells) report_.solver_arcsec = to_arcsec(report_.trace.solver_error_rad);
@@ -121,21 +123,17 @@ class Renderer {
     report_.emit_seconds = seconds_since(begin);
   }
 
-  /// Where one wavelength's rays serve all: as many copies.
-  template <class Value>
-  std::vector<Value> for_all_wavelengths(const std::vector<Value> &values) const {
-    if (plan_.bent_nm.size() == plan_.wavelengths_nm.size()) return values;
-    std::vector<Value> all;
-    all.reserve(values.size() * plan_.wavelengths_nm.size());
-    for (const Value &value : values) all.insert(all.end(), plan_.wavelengths_nm.size(), value);
-    return all;
+  void share_wavelengths() {
+    const std::size_t bent = plan_.bent_nm.size(), wanted = plan_.wavelengths_nm.size();
+    transfer_.rays = for_all_wavelengths(transfer_.rays, bent, wanted);
+    transfer_.edges = for_all_wavelengths(transfer_.edges, bent, wanted);
+    probes_.rays = for_all_wavelengths(probes_.rays, bent, wanted);
+    transfer_.wavelengths = wanted;
   }
 
-  void share_wavelengths() {
-    transfer_.rays = for_all_wavelengths(transfer_.rays);
-    transfer_.edges = for_all_wavelengths(transfer_.edges);
-    probes_.rays = for_all_wavelengths(probes_.rays);
-    transfer_.wavelengths = plan_.wavelengths_nm.size();
+  std::vector<Transfer> rays_at(double altitude_deg) {
+    const TransferTable traced = trace_elevations(*rays_, {to_rad(altitude_deg)});
+    return for_all_wavelengths(traced.rays, traced.wavelengths, plan_.wavelengths_nm.size());
   }
 
   /// Where the Sun is seen; below the horizon, just above it: a few arc-seconds, for each wavelength has its own
@@ -172,170 +170,84 @@ class Renderer {
   void shade() {
     const auto begin = Clock::now();
     const double compiled_before = device_->compile_seconds();
-    const std::vector<SpectralAir> air = spectral_air(scene_, plan_.wavelengths_nm);
     const int waves = padded_waves(*device_, static_cast<int>(plan_.wavelengths_nm.size()));
-    const SkyTable sky = make_sky_table(scene_, transfer_, towards_sun_, at_10_degrees_, air, sun_, waves);
-    if (sun_.shines) report_.sun_optical_depth = optical_depth(towards_sun_[air.size() / 2], air[air.size() / 2]);
-    measure_bias(sky, air, waves);
-    if (plan_.per_pixel) {
-      shade_per_pixel(air);
-      report_.gather_seconds = seconds_since(begin) - (device_->compile_seconds() - compiled_before);
-      return;
-    }
-    const int width = plan_.crop[2] - plan_.crop[0], height = plan_.crop[3] - plan_.crop[1];
-    const std::size_t row_bytes = SkyShader::band_bytes(width, 1, waves);
-    const std::size_t fixed = (sky.values.size() + sky.limb.size()) * sizeof(float) + device_->used_bytes();
-    const std::size_t left = device_->budget_bytes() > fixed ? (device_->budget_bytes() - fixed) / 10 * 9 : 0;
-    const std::size_t largest = std::min(left, device_->info().largest_buffer_bytes);
-    const int rows =
-        static_cast<int>(std::clamp<std::size_t>(largest / row_bytes, 1, static_cast<std::size_t>(height)));
-    SkyShader shader(device_, sky, width, rows);
-
-    size_image();
-    f32::SkyView v = view();
-    for (int first = 0; first < height; first += rows) {
-      v.first_row = plan_.crop[1] + first;
-      v.rows = std::min(rows, height - first);
-      shade_band(shader, v, static_cast<double>(first) / height, static_cast<double>(v.rows) / height);
-    }
-    finish_image();
+    const SkyTable sky = make_sky_table(light_, transfer_, waves);
+    const std::size_t middle = light_.air.size() / 2;
+    if (sun_.shines) report_.sun_optical_depth = optical_depth(light_.towards_sun[middle], light_.air[middle]);
+    measure_bias(sky, waves);
+    SkyPicture picture(plan_);
+    if (plan_.per_pixel) shade_per_pixel(picture);
+    else shade_from_table(sky, picture);
+    picture.describe(view(), transfer_);
+    report_.noise_rms = picture.noise_rms();
+    image_ = picture.take();
     report_.gather_seconds = seconds_since(begin) - (device_->compile_seconds() - compiled_before);
   }
 
-  void size_image() {
-    image_.width = plan_.crop[2] - plan_.crop[0];
-    image_.height = plan_.crop[3] - plan_.crop[1];
-    image_.wavelength_nm = plan_.wavelengths_nm;
-    image_.radiance.resize(image_.pixels() * plan_.wavelengths_nm.size());
-    image_.channels["variance"].resize(image_.pixels());
-  }
-
-  void finish_image() {
-    describe_pixels();
-    const double pixels = static_cast<double>(image_.pixels());
-    report_.noise_rms = band_sum_ > 0 ? std::sqrt(variance_sum_ / pixels) / (band_sum_ / pixels) : 0;
-  }
-
-  /// For comparison with the transfer table: every sample of every pixel traces its own rays on the device.
-  void shade_per_pixel(const std::vector<SpectralAir> &air) {
-    size_image();
+  void shade_per_pixel(SkyPicture &picture) {
     report_.spp = plan_.spp;
-    f32::SkyView v = view();
-    v.rows = 1;
-    for (int row = 0; row < image_.height; ++row) {
-      v.first_row = plan_.crop[1] + row;
-      const std::size_t waves = air.size(), width = static_cast<std::size_t>(image_.width);
-      SkyShader::Sums sums{std::vector<float>(width * waves), std::vector<float>(width * 2)};
-      for (int sample = 0; sample < plan_.spp; ++sample) add_own_rays(air, v, sample, sums);
-      keep(sums, v, plan_.spp);
-      progress("picture", static_cast<double>(row + 1) / image_.height);
-    }
+    shade_with_own_rays(*rays_, light_, view(), plan_, picture, [&](double done) { progress("picture", done); });
     report_.trace = rays_->stats();
     report_.lookup_arcsec = report_.bias = 0;
-    finish_image();
   }
 
-  /// One sample of one row, each pixel with rays of its own; the same shading text as the kernel, on the host.
-  void add_own_rays(const std::vector<SpectralAir> &air, const f32::SkyView &v, int sample, SkyShader::Sums &sums) {
-    std::vector<double> elevations;
-    std::vector<float> azimuths;
-    for (int column = 0; column < v.width; ++column) {
-      float x, y;
-      f32::sample_place(&v, v.first_column + column, v.first_row, sample, &x, &y);
-      const f32::SkyDirection d = f32::view_direction(&v, x, y);
-      elevations.push_back(static_cast<double>(d.elevation_rad));
-      azimuths.push_back(d.azimuth_rad);
+  void shade_from_table(const SkyTable &sky, SkyPicture &picture) {
+    const int rows = rows_of_band(sky, picture);
+    SkyShader shader(device_, sky, picture.width(), rows);
+    f32::SkyView v = view();
+    for (int first = 0; first < picture.height(); first += rows) {
+      v.first_row = plan_.crop[1] + first;
+      v.rows = std::min(rows, picture.height() - first);
+      shade_band(shader, v, picture);
     }
-    elevations.push_back(elevations.back());  // look-up reads one entry further
-    TransferTable own = trace_elevations(*rays_, elevations);
-    own.rays = for_all_wavelengths(own.rays);
-    own.wavelengths = air.size();
-    const int waves = static_cast<int>(air.size());
-    const SkyTable sky = make_sky_table(scene_, own, towards_sun_, at_10_degrees_, air, sun_, waves);
-    for (int column = 0; column < v.width; ++column) {
-      float band = 0;
-      for (int w = 0; w < waves; ++w) {
-        const float radiance = f32::sky_radiance(&v, sky.values.data(), sky.limb.data(), waves, w, column, 0,
-                                                 azimuths[static_cast<std::size_t>(column)]);
-        sums.spectra[static_cast<std::size_t>(column * waves + w)] += radiance;
-        band += radiance;
-      }
-      sums.moments[static_cast<std::size_t>(2 * column)] += band;
-      sums.moments[static_cast<std::size_t>(2 * column + 1)] += band * band;
-    }
+  }
+
+  bool adaptive() const { return plan_.error_pct || plan_.minutes; }
+
+  /// As many rows as the device has memory for; with a fixed number of samples no more than its caches like.
+  int rows_of_band(const SkyTable &sky, const SkyPicture &picture) const {
+    const std::size_t row_bytes = SkyShader::band_bytes(picture.width(), 1, sky.waves);
+    const std::size_t fixed = (sky.values.size() + sky.limb.size()) * sizeof(float) + device_->used_bytes();
+    const std::size_t left = device_->budget_bytes() > fixed ? (device_->budget_bytes() - fixed) / 10 * 9 : 0;
+    std::size_t most = std::min(left, device_->info().largest_buffer_bytes);
+    if (!adaptive() && device_->info().is_cpu) most = std::min(most, cached_bytes);
+    return static_cast<int>(std::clamp<std::size_t>(most / row_bytes, 1, static_cast<std::size_t>(picture.height())));
   }
 
   /// Passes of a few samples until enough, good enough or late enough; each band decides for itself.
-  void shade_band(SkyShader &shader, const f32::SkyView &v, double done_before, double share) {
+  void shade_band(SkyShader &shader, const f32::SkyView &v, SkyPicture &picture) {
     shader.begin(v);
-    int samples = 0;
-    SkyShader::Sums sums;
+    const int first_row = v.first_row - plan_.crop[1], wanted = plan_.spp;
+    const double before = static_cast<double>(first_row) / picture.height();
+    const double share = static_cast<double>(v.rows) / picture.height();
     const auto begin = Clock::now();
-    const int wanted = plan_.spp;
-    const bool adaptive = plan_.error_pct || plan_.minutes;
+    int samples = 0;
     double noise = 0;
     while (samples < wanted) {
-      const int pass = std::min(adaptive ? std::max(4, samples / 2) : 8, wanted - samples);
+      const int pass = std::min(adaptive() ? std::max(4, samples / 2) : 8, wanted - samples);
       shader.add_samples(samples, pass, stop_if_asked);
       samples += pass;
-      if (adaptive) {
-        noise = relative_noise(shader.read(), samples);
+      if (adaptive()) {
+        shader.with_sums([&](const SkySums &sums) { noise = relative_noise(sums, samples); });
         if (plan_.error_pct && noise * 100 <= *plan_.error_pct) break;
         if (plan_.minutes && seconds_since(begin) >= *plan_.minutes * 60 * share) break;
       }
-      progress("picture", done_before + share * samples / wanted, noise);
+      progress("picture", before + share * samples / wanted, noise);
     }
     report_.spp = std::max(report_.spp, samples);
-    keep(shader.read(), v, samples);
-  }
-
-  static double relative_noise(const SkyShader::Sums &sums, int samples) {
-    double variance = 0, band = 0;
-    for (std::size_t i = 0; i < sums.moments.size() / 2; ++i) {
-      variance += variance_of_mean(sums, i, samples);
-      band += sums.moments[2 * i] / static_cast<double>(samples);
-    }
-    const double pixels = static_cast<double>(sums.moments.size()) / 2;
-    return band > 0 ? std::sqrt(variance / pixels) / (band / pixels) : 0;
-  }
-
-  static double variance_of_mean(const SkyShader::Sums &sums, std::size_t pixel, int samples) {
-    if (samples < 2) return 0;
-    const double mean = sums.moments[2 * pixel] / static_cast<double>(samples);
-    const double square = sums.moments[2 * pixel + 1] / static_cast<double>(samples);
-    return std::max(0.0, square - mean * mean) / (samples - 1);
-  }
-
-  void keep(const SkyShader::Sums &sums, const f32::SkyView &v, int samples) {
-    const std::size_t waves = plan_.wavelengths_nm.size(), pixels = static_cast<std::size_t>(v.width * v.rows);
-    const std::size_t padded = sums.spectra.size() / pixels;
-    const std::size_t first = static_cast<std::size_t>(v.first_row - plan_.crop[1]) * static_cast<std::size_t>(v.width);
-    const float scale = 1.0f / static_cast<float>(samples);
-    std::vector<float> &variances = image_.channels["variance"];
-    const double bands = static_cast<double>(waves);
-    for_pieces(pixels, 4096, host_threads(), [&](std::size_t from, std::size_t to) {
-      for (std::size_t i = from; i < to; ++i) {
-        for (std::size_t w = 0; w < waves; ++w)
-          image_.radiance[(first + i) * waves + w] = sums.spectra[i * padded + w] * scale;
-        variances[first + i] = static_cast<float>(variance_of_mean(sums, i, samples) / (bands * bands));
-      }
-    });
-    for (std::size_t i = 0; i < pixels; ++i) {  // in one order, for the same bits
-      variance_sum_ += variance_of_mean(sums, i, samples);
-      band_sum_ += sums.moments[2 * i] * scale;
-    }
+    shader.with_sums([&](const SkySums &sums) { picture.keep(sums, first_row, v.rows, samples); });
   }
 
   /// Relative RMS error of radiance (Sun and glow) that interpolating the table half way causes.
-  void measure_bias(const SkyTable &sky, const std::vector<SpectralAir> &air, int waves) {
+  void measure_bias(const SkyTable &sky, int waves) {
     TransferTable between = transfer_;
     between.entries = probes_.below.size();
     between.rays = probes_.rays;
-    const SkyTable truth = make_sky_table(scene_, between, towards_sun_, at_10_degrees_, air, sun_, waves);
+    const SkyTable truth = make_sky_table(light_, between, waves);
     const auto n = static_cast<std::size_t>(waves), entry = n * f32::SKY_CHANNEL_COUNT;
     double error = 0, light = 0;
     for (std::size_t k = 0; k < between.entries; ++k)
-      for (std::size_t w = 0; w < air.size(); ++w) {
+      for (std::size_t w = 0; w < light_.air.size(); ++w) {
         const float *a = &sky.values[probes_.below[k] * entry + w], *b = a + entry, *t = &truth.values[k * entry + w];
         if (a[f32::SKY_JOINED * n] < 1.0f) continue;
         for (std::size_t c : {f32::SKY_SUN * n, f32::SKY_GLOW * n}) {
@@ -345,31 +257,6 @@ class Renderer {
         }
       }
     report_.bias = light > 0 ? std::sqrt(error / light) : 0;
-  }
-
-  /// Channels for the pixel centres at the middle wavelength: bending, distance, lowest point.
-  void describe_pixels() {
-    auto &bending = image_.channels["bending_arcsec"], &distance = image_.channels["distance_m"],
-         &lowest = image_.channels["min_height_m"];
-    bending.resize(image_.pixels());
-    distance.resize(image_.pixels());
-    lowest.resize(image_.pixels());
-    const f32::SkyView v = view();
-    const std::size_t wave = plan_.wavelengths_nm.size() / 2;
-    const auto describe = [&](std::size_t i) {
-      const int x = static_cast<int>(i) % image_.width, y = static_cast<int>(i) / image_.width;
-      const f32::SkyDirection d = f32::view_direction(&v, static_cast<float>(x + plan_.crop[0]) + 0.5f,
-                                                      static_cast<float>(y + plan_.crop[1]) + 0.5f);
-      const double at = (static_cast<double>(d.elevation_rad) - transfer_.first_elevation_rad) / transfer_.spacing_rad;
-      const auto entry = static_cast<std::size_t>(std::clamp(std::round(at), 0.0, double(transfer_.entries - 1)));
-      const Transfer &t = transfer_.at(entry, wave);
-      bending[i] = static_cast<float>(to_arcsec(t.bending_rad));
-      distance[i] = static_cast<float>(t.distance_m);
-      lowest[i] = static_cast<float>(t.min_height_m);
-    };
-    for_pieces(image_.pixels(), 4096, host_threads(), [&](std::size_t from, std::size_t to) {
-      for (std::size_t i = from; i < to; ++i) describe(i);
-    });
   }
 
   const Scene &scene_;
@@ -383,10 +270,10 @@ class Renderer {
   SunPlace sun_;
   TransferTable transfer_;
   TransferProbes probes_;
-  std::vector<Transfer> towards_sun_, at_10_degrees_;
+  SkyLight light_;
   SpectralImage image_;
   RenderReport report_;
-  double variance_sum_ = 0, band_sum_ = 0, compiled_while_tracing_ = 0;
+  double compiled_while_tracing_ = 0;
 };
 
 }  // namespace

@@ -8,13 +8,12 @@
 namespace greenray {
 namespace {
 
-/// n^2 of the table's first wavelength.
-double index2_at(const AirTable &air, double height_m) {
-  const auto end = air.rows.begin() + static_cast<std::ptrdiff_t>(air.cells);
-  auto above = std::upper_bound(air.rows.begin(), end, height_m,
-                                [](double h, const surface64::AirCell &cell) { return h < cell.bottom_m; });
-  if (above != air.rows.begin()) --above;
-  return above->index2 + (above->bend != 0 ? 4 * above->bend * (height_m - above->bottom_m) : 0);
+/// n^2 of the table's first wavelength, in double.
+double index2_at(const AirTable &table, double height_m) {
+  const surface64::Air air{table.layers.data(),
+                           table.rows.data(),
+                           {static_cast<int>(table.layers.size()), static_cast<int>(table.cells), 0, 0}};
+  return surface64::air_index2(&air, 0, height_m);
 }
 
 }  // namespace

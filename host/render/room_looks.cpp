@@ -216,12 +216,12 @@ std::vector<double> room_wavelengths(const RoomScene &scene) {
 
 RoomLooks room_looks(const RoomScene &scene) { return Builder(scene).take(); }
 
-void share_photons(RoomLooks &looks, std::uint32_t photons) {
+void share_photons(RoomLooks &looks, std::uint32_t photons, const std::vector<double> &weights) {
   double whole = 0, running = 0;
-  for (const double power : looks.light_power_W_nm) whole += power;
+  for (const double weight : weights) whole += weight;
   std::uint32_t first = 0;
   for (std::size_t i = 0; i < looks.lights.size(); ++i) {
-    running += looks.light_power_W_nm[i];
+    running += weights[i];
     // Each light has one photon at least; the last takes what is left.
     const auto lights_left = static_cast<std::uint32_t>(looks.lights.size() - i - 1);
     auto end = static_cast<std::uint32_t>(std::llround(static_cast<double>(photons) * running / whole));

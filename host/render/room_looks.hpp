@@ -16,7 +16,7 @@ std::vector<double> room_wavelengths(const RoomScene &scene);
    errors: InputError for a texture that cannot be read */
 RoomLooks room_looks(const RoomScene &scene);
 
-/// Shares out the photons of a pass by the lights' powers: first_photon and photons of each.
-void share_photons(RoomLooks &looks, std::uint32_t photons);
+/// Shares out the photons of a pass by these weights of the lights: first_photon and photons of each.
+void share_photons(RoomLooks &looks, std::uint32_t photons, const std::vector<double> &weights);
 
 }  // namespace greenray

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/report.hpp"
+#include "render/room_plan.hpp"
 #include "support/version.hpp"
 
 namespace greenray {
@@ -21,10 +22,15 @@ Json room_plan_json(const RoomScene &scene, const RoomOptions &options) {
       "light that photons of wavelengths other than their leader would take on parted ways, below a two-hundredth of "
       "the "
       "scene");
-  return {{"size", options.size},
-          {"spp", options.spp},
-          {"passes", options.passes},
-          {"photons", scene.photons.emitted},
+  const RoomPlan plan = plan_room(scene, options);
+  return {{"size", plan.size},
+          {"crop", plan.crop},
+          {"spp", plan.open ? Json() : Json(plan.samples * plan.passes)},
+          {"passes", plan.open ? Json() : Json(plan.passes)},
+          {"photons", plan.open ? Json() : Json(plan.photons)},
+          {"photons_a_pass", plan.photons_a_pass},
+          {"error_pct", options.error_pct ? Json(*options.error_pct) : Json()},
+          {"minutes", options.minutes ? Json(*options.minutes) : Json()},
           {"gather", scene.photons.gather},
           {"modelled", modelled},
           {"left_out", left_out}};
@@ -50,6 +56,7 @@ Json room_report_json(const RoomScene &scene, const RoomOptions &options, const 
        {{"emitted", p.photons},
         {"stored_diffuse", p.stored[0]},
         {"stored_caustic", p.stored[1]},
+        {"aimed_cells", r.aimed_cells},
         {"path_pieces", p.pieces}}},
       {"energy_W_nm",
        {{"emitted", p.emitted},
@@ -60,12 +67,19 @@ Json room_report_json(const RoomScene &scene, const RoomOptions &options, const 
       {"surfaces", {{"triangles", r.triangles}, {"spheres", r.spheres}}},
       {"medium", {{"cells", r.air_cells}, {"error_m", r.table_error_m}}},
       {"samples_per_pixel", r.spp},
+      {"passes",
+       {{"count", r.passes},
+        {"photons_each", r.photons_a_pass},
+        {"from_checkpoint", r.resumed_at},
+        {"pixels_at_lamp_edges", r.lamp_pixels}}},
       {"error",
        {{"table_m", r.table_error_m},
         {"table_arcsec", r.table_arcsec},
         {"solver_arcsec", r.solver_arcsec},
         {"noise_rms", r.noise_rms},
-        {"bias", r.bias}}},
+        {"bias", r.bias_rms},
+        {"bias_mean", r.bias_mean},
+        {"total_rms", r.error_rms}}},
       {"seconds",
        {{"compile", r.compile_seconds},
         {"build", r.build_seconds},

@@ -33,22 +33,20 @@ Glow scattered(const Depth &depth, double sunlight) {
 
 class SkyMaker {
  public:
-  SkyMaker(const Scene &scene, const std::vector<Transfer> &towards_sun, const std::vector<Transfer> &at_10_degrees,
-           const std::vector<SpectralAir> &air, const SunPlace &sun)
-      : scene_(scene), towards_sun_(towards_sun), at_10_degrees_(at_10_degrees), air_(air), sun_(sun) {}
+  explicit SkyMaker(const SkyLight &light) : light_(light), sun_(light.sun) {}
 
   /// The five channels of one ray but for SKY_JOINED.
   std::array<double, 4> channels(const Transfer &ray, std::size_t wave) const {
-    const SpectralAir &air = air_[wave];
+    const SpectralAir &air = light_.air[wave];
     const double from_sun = ray.true_altitude_rad - sun_.true_altitude_rad;
-    if (scene_.sky.model == SkyScene::Model::academic)
+    if (light_.sky.model == SkyScene::Model::academic)
       return {from_sun, ray.outcome == f64::RAY_SPACE && sun_.shines ? air.sun_centre_radiance : 0, 0, 0};
     const Depth depth = depth_of(ray, air);
     const double sunlight = sunlight_on_air(wave);
     Glow glow = scattered(depth, sunlight);
     if (ray.outcome != f64::RAY_SPACE) {
-      const Glow mirrored = scattered(depth_of(at_10_degrees_[wave], air), sunlight);
-      const double share = scene_.sky.sea_reflectance * std::exp(-depth.total());
+      const Glow mirrored = scattered(depth_of(light_.at_10_degrees[wave], air), sunlight);
+      const double share = light_.sky.sea_reflectance * std::exp(-depth.total());
       glow.isotropic += share * mirrored.isotropic;
       glow.aureole += share * mirrored.aureole;
       return {from_sun, 0, glow.isotropic, glow.aureole};
@@ -62,20 +60,18 @@ class SkyMaker {
   /// conservative: 1/(1 + 3/4 tau (1-g))), ozone absorbs it; below the horizon it falls by a factor 2.8 a degree, as
   /// twilight does.
   double sunlight_on_air(std::size_t wave) const {
-    const SpectralAir &air = air_[wave];
+    const SpectralAir &air = light_.air[wave];
     double mean = 0;
     for (std::size_t k = 0; k < air.limb.size(); ++k) mean += 2 * air.limb[k] / static_cast<double>(k + 2);
     const double outside = air.sun_centre_radiance * mean * pi * sun_.radius_rad * sun_.radius_rad;
-    const Transfer &ray = towards_sun_[wave];
+    const Transfer &ray = light_.towards_sun[wave];
     const Depth depth = depth_of(ray, air);
     const double passed = 1 / (1 + 0.75 * (depth.rayleigh + (1 - aerosol_asymmetry) * depth.aerosol));
     const double set_deg = std::max(0.0, to_deg(ray.true_altitude_rad - sun_.true_altitude_rad) - 0.3);
     return outside * passed * std::exp(-depth.ozone) * std::pow(10, -0.45 * set_deg);
   }
 
-  const Scene &scene_;
-  const std::vector<Transfer> &towards_sun_, &at_10_degrees_;
-  const std::vector<SpectralAir> &air_;
+  const SkyLight &light_;
   const SunPlace &sun_;
 };
 
@@ -83,10 +79,9 @@ class SkyMaker {
 
 double optical_depth(const Transfer &ray, const SpectralAir &air) { return depth_of(ray, air).total(); }
 
-SkyTable make_sky_table(const Scene &scene, const TransferTable &transfer, const std::vector<Transfer> &towards_sun,
-                        const std::vector<Transfer> &at_10_degrees, const std::vector<SpectralAir> &air,
-                        const SunPlace &sun, int waves) {
-  const SkyMaker maker(scene, towards_sun, at_10_degrees, air, sun);
+SkyTable make_sky_table(const SkyLight &light, const TransferTable &transfer, int waves) {
+  const SkyMaker maker(light);
+  const std::vector<SpectralAir> &air = light.air;
   const auto padded = static_cast<std::size_t>(waves);
   SkyTable table;
   table.entries = static_cast<int>(transfer.entries);

@@ -15,14 +15,20 @@ struct SunPlace {
   double radius_rad = 0;
 };
 
+/// All that lights a picture of the sky but for the rays of sight.
+struct SkyLight {
+  SkyScene sky;
+  SunPlace sun;
+  std::vector<Transfer> towards_sun, at_10_degrees;  // [wavelengths]: the rays that light air and sea
+  std::vector<SpectralAir> air;                      // [wavelengths]
+};
+
 /// The plain sky: one scattering with a source that is constant along the path, so that it is right in colour and
 /// continuous at the horizon, not in absolute radiance (docs/method.md, "The plain sky").
 ///   sky  J (1 - exp(-tau)),  J = E_sun T (rayleigh share / 4 pi + aerosol share x phase)
 ///   sea  reflectance x sky at 10 degrees, seen through the air between, plus the light that air scatters in
 /// The academic sky (G04 figures 6.2, 6.3) is black, its Sun a white disk outside the air.
-SkyTable make_sky_table(const Scene &scene, const TransferTable &transfer, const std::vector<Transfer> &towards_sun,
-                        const std::vector<Transfer> &at_10_degrees, const std::vector<SpectralAir> &air,
-                        const SunPlace &sun, int waves);
+SkyTable make_sky_table(const SkyLight &light, const TransferTable &transfer, int waves);
 
 /// Optical depth of a ray: Rayleigh, aerosol and ozone together.
 double optical_depth(const Transfer &ray, const SpectralAir &air);

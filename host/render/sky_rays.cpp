@@ -84,6 +84,7 @@ const TraceStats &SkyRays::stats() const {
   return state_->layer_tracer ? state_->layer_tracer->stats() : state_->step_tracer->stats();
 }
 bool SkyRays::table_in_image() const { return state_->step_tracer && state_->step_tracer->uses_image(); }
+double SkyRays::index_error_arcsec() const { return state_->index_error_arcsec(); }
 const SkyRayOptions &SkyRays::options() const { return state_->options; }
 
 namespace {

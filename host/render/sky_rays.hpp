@@ -37,8 +37,9 @@ class SkyRays {
   /// The medium in layers for this eye, none merged; made when first asked for.
   const LayerTable &layers();
 
-  const IndexTable &table() const;  // the one the method reads
-  std::size_t cells() const;        // of that table, or layers, per wavelength
+  const IndexTable &table() const;    // the one the method reads
+  double index_error_arcsec() const;  // that `table` was asked for
+  std::size_t cells() const;          // of that table, or layers, per wavelength
   const TraceStats &stats() const;
   bool table_in_image() const;
   const SkyRayOptions &options() const;

@@ -30,6 +30,16 @@ struct TransferTable {
 /// A ray's end as an entry.
 Transfer transfer_of(const f64::RayEnd &end, double elevation_rad, double curvature_per_m);
 
+/// Where one wavelength's rays serve all: as many copies of each. [n][bent] -> [n][wanted]; bent is 1 or wanted.
+template <class Value>
+std::vector<Value> for_all_wavelengths(const std::vector<Value> &values, std::size_t bent, std::size_t wanted) {
+  if (bent == wanted) return values;
+  std::vector<Value> all;
+  all.reserve(values.size() * wanted);
+  for (const Value &value : values) all.insert(all.end(), wanted, value);
+  return all;
+}
+
 /// Every wavelength at the elevations given, unevenly spaced (first_elevation_rad and spacing_rad are left 0).
 TransferTable trace_elevations(SkyRays &rays, const std::vector<double> &elevations_rad);
 

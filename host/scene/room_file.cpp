@@ -112,6 +112,8 @@ void read_photons(const TomlTable &table, PhotonScene &photons) {
   table.read("gather", photons.gather, {1, 100000, "photons"});
   table.read("radius_m", photons.radius_m, {0, 1e6, "m", true});
   table.read("max_bounces", photons.most_bounces, {0, 60000, "bounces"});
+  table.read("aimed", photons.aimed);
+  table.read("caustic_share", photons.caustic_share, {0.01, 0.9});
 }
 
 void read_rest(const TomlTable &root, RoomScene &scene) {
@@ -167,6 +169,7 @@ RoomScene parse_room(const std::string &file, std::string_view text, const std::
   read_photons(root.table("photons"), scene.photons);
   read_rest(root, scene);
   document.finish();
+  scene.values = document.values();
   return scene;
 }
 

@@ -86,9 +86,11 @@ std::string room_hash(const RoomScene &scene) {
   for (const LightScene &l : scene.lights) {
     print.add(static_cast<int>(l.kind)), print.add_all(l.from), print.add_all(l.direction), print.add(l.cone_deg);
     print.add(l.power_W), print.add(l.irradiance_W_m2), print.add(l.diameter_deg), print.add(l.colour);
+    print.add(l.photon_weight);
   }
   print.add(static_cast<double>(scene.photons.emitted)), print.add(scene.photons.gather);
   print.add(scene.photons.radius_m.value_or(-1)), print.add(scene.photons.most_bounces);
+  print.add(scene.photons.aimed), print.add(scene.photons.caustic_share);
   print.add_all(scene.spectrum.range_nm), print.add(scene.spectrum.samples);
   return print.hex();
 }

@@ -85,6 +85,7 @@ void read_light(const TomlTable &row, const RoomNames &names, RoomScene &scene) 
     row.require("power_W", "a number above 0 W");
     row.read("power_W", light.power_W, {0, 1e15, "W", true});
   }
+  row.read("photon_weight", light.photon_weight, {1e-3, 1e3});
   read_shape(row, light.colour);
   scene.lights.push_back(light);
 }

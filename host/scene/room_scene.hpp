@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -51,6 +52,7 @@ struct LightScene {
   double power_W = 0;                  // over the scene's range of wavelengths; sun: irradiance instead
   double irradiance_W_m2 = 0;          // sun: on a surface that faces it
   double diameter_deg = 0.533;         // sun
+  double photon_weight = 1;            // its share of the photons is its power times this
   Colour colour;
   SourcePlace place;
 };
@@ -66,12 +68,15 @@ struct PhotonScene {
   int gather = 150;                // photons of one estimate
   std::optional<double> radius_m;  // of the estimate instead
   int most_bounces = 64;
+  bool aimed = true;           // caustic photons go where glass and mirrors are (projection maps), if it pays
+  double caustic_share = 0.3;  // of all photons, when they are
 };
 
 struct RoomScene {
   std::string name, title, file, text;
   std::vector<std::string> overrides;
-  std::optional<ProfileSpec> air;  // nothing: the same n = 1 everywhere
+  std::map<std::string, std::string> values;  // of the file, overrides included, by dotted key: to tell what changed
+  std::optional<ProfileSpec> air;             // nothing: the same n = 1 everywhere
   double extinction_per_m = 0;
   CameraScene camera;
   std::vector<MaterialScene> materials;

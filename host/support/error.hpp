@@ -40,6 +40,7 @@ struct MemoryError : Error {
 };
 struct Interrupted : Error {
   Interrupted() : Error(ExitCode::interrupted, "interrupted: nothing was written") {}
+  explicit Interrupted(const std::string &message) : Error(ExitCode::interrupted, message) {}
 };
 
 /// Where a wrong value stands. line and column count from 1; 0 means unknown and prints as 1.

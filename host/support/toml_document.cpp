@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <climits>
+#include <sstream>
 
 namespace greenray {
 
@@ -175,6 +176,29 @@ void TomlDocument::prefer_overridden(const std::string &table, const std::string
   const auto from_file = [this](const toml::node &node) { return node.source().path && *node.source().path == file_; };
   if (from_file(*first) == from_file(*second)) return;
   at->erase(from_file(*first) ? key : rival);
+}
+
+static void list_values(const std::string &path, const toml::node &node, std::map<std::string, std::string> &into) {
+  if (const toml::table *table = node.as_table()) {
+    for (auto &&[key, value] : *table)
+      list_values(path.empty() ? std::string(key.str()) : path + "." + std::string(key.str()), value, into);
+    return;
+  }
+  const toml::array *array = node.as_array();
+  if (array && array->is_array_of_tables()) {
+    for (std::size_t i = 0; i < array->size(); ++i)
+      list_values(path + "[" + std::to_string(i) + "]", (*array)[i], into);
+    return;
+  }
+  std::ostringstream text;
+  node.visit([&](const auto &value) { text << value; });
+  into[path] = text.str();
+}
+
+std::map<std::string, std::string> TomlDocument::values() const {
+  std::map<std::string, std::string> all;
+  list_values("", *root_, all);
+  return all;
 }
 
 void TomlDocument::complain(SourcePlace place, const std::string &message) {

@@ -120,6 +120,8 @@ class TomlDocument {
   void complain(const InputError &error);
   bool knows(const std::string &path) const { return known_.count(path) != 0; }
   std::vector<std::string> known_below(const std::string &path) const;
+  /// Every value of the document, overrides included, as TOML text by its dotted path; rows of tables are numbered.
+  std::map<std::string, std::string> values() const;
   std::vector<std::string> known() const { return {known_.begin(), known_.end()}; }
 
   /// Adds a complaint for each key nobody asked for; throws one InputError if there is any complaint.

@@ -20,6 +20,7 @@ namespace greenray::room_twin {
 #include "shared/light.h"
 #include "shared/material.h"
 #include "shared/photon.h"
+#include "shared/projection.h"
 
 #include "surface/looks.h"
 
@@ -28,6 +29,8 @@ namespace greenray::room_twin {
 #include "surface/emit.h"
 
 #include "surface/photon_path.h"
+
+#include "surface/projection.h"
 
 #include "surface/eye_path.h"
 
@@ -48,9 +51,12 @@ namespace greenray::room_twin {
 #undef MOST_LEAF_BLOCKS
 #undef TREE_STACK
 #undef NO_PRIMITIVE
-#undef MOST_PATH_CELLS
+#undef MOST_PATH_ARCS
 #undef GEOMETRY_BUFFERS
 #undef GEOMETRY_OF_BUFFERS
+#undef AIR_BUFFERS
+#undef AIR_OF_BUFFERS
+#undef CHAIN_ARCS
 #undef HALF_METRE
 #undef LOOKS_BUFFERS
 #undef LOOKS_OF_BUFFERS

@@ -30,5 +30,6 @@ namespace greenray::surface64 {
 namespace greenray {
 static_assert(sizeof(surface32::SurfaceTriangle) == 120 && sizeof(surface32::SurfaceSphere) == 24);
 static_assert(sizeof(surface32::GeometryBounds) == 40 && sizeof(surface32::AirCell) == 16);
+static_assert(sizeof(surface32::AirLayer) == 32 && sizeof(surface32::AirShape) == 16);
 static_assert(sizeof(surface32::PathStart) == 32 && sizeof(surface32::PathEnd) == 64);
 }  // namespace greenray

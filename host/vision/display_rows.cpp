@@ -110,95 +110,160 @@ struct OkMatrices {
   }
 };
 
-float signed_cbrt(float x) {
-  const float size = std::abs(x);
-  return size < 1e-30F ? 0.0F : std::copysign(fast_pow(size, 1.0F / 3.0F), x);
-}
+/// Colours in work at once, one array for each quantity: what follows is arithmetic over them without branches.
+constexpr int lanes = 16;
+using Lanes = float[lanes];
 
-/// A colour on the straight way from a grey (t = 0) to itself (t = 1): cube roots base + t slope.
-struct ChromaLine {
-  float base;
-  float slope[3];
+/* Colours on straight ways from a grey (t = 0) to themselves (t = 1), in the space of OKLab's cube roots:
+   root j = base + t slope[j], channel c = sum over j of weight[c][j] root_j^3. */
+struct ChromaLines {
+  Lanes base, slope[3];
 };
 
-float channel_at(const ChromaLine &line, const float weights[3], float t, float *derivative) {
-  float value = 0, change = 0;
-  for (std::size_t j = 0; j < 3; ++j) {
-    const float root = line.base + t * line.slope[j], square = root * root;
-    value += weights[j] * square * root;
-    change += weights[j] * 3 * square * line.slope[j];
-  }
-  *derivative = change;
-  return value;
+[[gnu::always_inline]] inline float signed_cbrt(float x) {
+  const float size = x < 0 ? -x : x;
+  const float root = fast_pow(size > 1e-30F ? size : 1e-30F, 1.0F / 3.0F);
+  return size < 1e-30F ? 0.0F : x < 0 ? -root : root;
 }
 
-/// Where a channel that is within its bound at `from` and beyond it at `to` meets it: Newton's steps, kept in a
-/// bracket.
-float meets_bound(const ChromaLine &line, const float weights[3], float bound, bool above, float from, float to) {
-  float inside = from, outside = to, t = 0.5F * (from + to);
-  for (int i = 0; i < 12; ++i) {
-    float slope = 0;
-    const float off = channel_at(line, weights, t, &slope) - bound;
-    ((above ? off > 0 : off < 0) ? outside : inside) = t;
-    const float next = slope != 0 ? t - off / slope : -1.0F;
-    const bool good = next > inside && next < outside;
-    const float step_to = good ? next : 0.5F * (inside + outside);
-    if (std::abs(step_to - t) < 1e-6F) break;
-    t = step_to;
-  }
-  return t;  // to 1e-6; what is left is clipped
-}
-
-/// Lightness of the grey that a colour moves towards: its own in the dark, between that and 0.5 above.
-float grey_to_aim_at(float lightness, float chroma) {
-  constexpr float pull = 0.5F;
-  const float above = lightness - 0.5F, e = 0.5F + above + pull * chroma;
-  if (above <= 0) return clamped(lightness, 0, 1);
-  return clamped(0.5F * (1 + e - std::sqrt(std::max(e * e - 2 * above, 0.0F))), 0, 1);
-}
-
-void into_gamut(float rgb[3]) {
-  static const OkMatrices ok;
-  float roots[3], lab[3] = {0, 0, 0};
-  for (std::size_t j = 0; j < 3; ++j)
-    roots[j] = signed_cbrt(ok.lms_of_rgb[j][0] * rgb[0] + ok.lms_of_rgb[j][1] * rgb[1] + ok.lms_of_rgb[j][2] * rgb[2]);
-  for (std::size_t r = 0; r < 3; ++r)
-    for (std::size_t j = 0; j < 3; ++j) lab[r] += ok.lab_of_roots[r][j] * roots[j];
-  const float strongest = std::max({rgb[0], rgb[1], rgb[2]}), own = clamped(lab[0], 0, 1);
-  const float aimed = grey_to_aim_at(lab[0], std::sqrt(lab[1] * lab[1] + lab[2] * lab[2]));
-  // the gamut is hollow below its corners: a colour that is hardly too strong must not be pulled through the outside
-  const float grey = own + (aimed - own) * clamped(strongest - 1, 0, 1);
-  ChromaLine line{grey, {0, 0, 0}};
-  for (std::size_t j = 0; j < 3; ++j) line.slope[j] = ok.roots_of_lab[j][1] * lab[1] + ok.roots_of_lab[j][2] * lab[2];
-  // the first place where any channel leaves: a channel is a cubic, which may come back before the end
-  constexpr int stretches = 8;
-  float kept = 1, slope = 0;
-  for (int k = 1; k <= stretches && kept == 1; ++k) {
-    const float from = static_cast<float>(k - 1) / stretches, to = static_cast<float>(k) / stretches;
-    float leaves = 2;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const float value = channel_at(line, ok.rgb_of_lms[c], to, &slope);
-      if (value > 1) leaves = std::min(leaves, meets_bound(line, ok.rgb_of_lms[c], 1, true, from, to));
-      else if (value < 0) leaves = std::min(leaves, meets_bound(line, ok.rgb_of_lms[c], 0, false, from, to));
+/// How far the worst channel is beyond [0, 1] at t: below 0 inside.
+[[gnu::always_inline]] inline void beyond_gamut(const ChromaLines &line, const OkMatrices &ok, const Lanes t,
+                                                Lanes off) {
+  for (int i = 0; i < lanes; ++i) {
+    float cube[3];
+    for (std::size_t j = 0; j < 3; ++j) {
+      const float root = line.base[i] + t[i] * line.slope[j][i];
+      cube[j] = root * root * root;
     }
-    if (leaves < 2) kept = std::min(leaves, 0.999999F);
+    float worst = -1;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float value = ok.rgb_of_lms[c][0] * cube[0] + ok.rgb_of_lms[c][1] * cube[1] + ok.rgb_of_lms[c][2] * cube[2];
+      const float here = value - 1 > -value ? value - 1 : -value;
+      worst = here > worst ? here : worst;
+    }
+    off[i] = worst;
   }
-  for (std::size_t c = 0; c < 3; ++c) rgb[c] = channel_at(line, ok.rgb_of_lms[c], kept, &slope);
+}
+
+/* Lightness of the grey that a colour moves towards: its own in the dark, between that and 0.5 above.
+   strongest: channel of the colour; the gamut is hollow below its corners: a colour that is hardly too strong must not
+   be pulled through the outside */
+[[gnu::always_inline]] inline float grey_to_aim_at(float lightness, float chroma, float strongest) {
+  constexpr float pull = 0.5F;
+  const float above = lightness - 0.5F, e = 0.5F + above + pull * chroma, root = e * e - 2 * above;
+  const float between = 0.5F * (1 + e - std::sqrt(root > 0 ? root : 0.0F));
+  const float aimed = clamped(above <= 0 ? lightness : between, 0, 1), own = clamped(lightness, 0, 1);
+  return own + (aimed - own) * clamped(strongest - 1, 0, 1);
+}
+
+[[gnu::always_inline]] inline void lines_to_grey(const OkMatrices &ok, const Lanes rgb[3], ChromaLines &line) {
+  for (int i = 0; i < lanes; ++i) {
+    float roots[3], lab[3];
+    for (std::size_t j = 0; j < 3; ++j)
+      roots[j] = signed_cbrt(ok.lms_of_rgb[j][0] * rgb[0][i] + ok.lms_of_rgb[j][1] * rgb[1][i] +
+                             ok.lms_of_rgb[j][2] * rgb[2][i]);
+    for (std::size_t r = 0; r < 3; ++r)
+      lab[r] = ok.lab_of_roots[r][0] * roots[0] + ok.lab_of_roots[r][1] * roots[1] + ok.lab_of_roots[r][2] * roots[2];
+    const float first = rgb[0][i] > rgb[1][i] ? rgb[0][i] : rgb[1][i],
+                strongest = first > rgb[2][i] ? first : rgb[2][i];
+    line.base[i] = grey_to_aim_at(lab[0], std::sqrt(lab[1] * lab[1] + lab[2] * lab[2]), strongest);
+    for (std::size_t j = 0; j < 3; ++j)
+      line.slope[j][i] = lab[0] - line.base[i] + ok.roots_of_lab[j][1] * lab[1] + ok.roots_of_lab[j][2] * lab[2];
+  }
+}
+
+/// The first place where a line leaves the gamut: a channel is a cubic, which may come back before the end.
+[[gnu::always_inline]] inline void leave_gamut(const ChromaLines &line, const OkMatrices &ok, Lanes kept) {
+  constexpr int stretches = 8, refinements = 9;
+  Lanes in, out, off_in, off_out, t, off;
+  for (int i = 0; i < lanes; ++i) in[i] = 0, out[i] = 2, off_in[i] = -1e-6F, off_out[i] = 1, t[i] = 0;
+  beyond_gamut(line, ok, t, off);
+  for (int i = 0; i < lanes; ++i) off_in[i] = off[i] < -1e-6F ? off[i] : -1e-6F;
+  for (int k = 1; k <= stretches; ++k) {
+    for (int i = 0; i < lanes; ++i) t[i] = static_cast<float>(k) / stretches;
+    beyond_gamut(line, ok, t, off);
+    for (int i = 0; i < lanes; ++i) {
+      const bool searching = out[i] > 1, left = off[i] > 0;
+      off_out[i] = searching && left ? off[i] : off_out[i];
+      off_in[i] = searching && !left ? (off[i] < -1e-6F ? off[i] : -1e-6F) : off_in[i];
+      in[i] = searching && !left ? t[i] : in[i];
+      out[i] = searching && left ? t[i] : out[i];
+    }
+  }
+  for (int i = 0; i < lanes; ++i) out[i] = out[i] > 1 ? 1.0F : out[i];
+  for (int k = 0; k < refinements; ++k) {  // false position; an end that stays counts half (Illinois)
+    for (int i = 0; i < lanes; ++i) t[i] = in[i] + (out[i] - in[i]) * off_in[i] / (off_in[i] - off_out[i]);
+    beyond_gamut(line, ok, t, off);
+    for (int i = 0; i < lanes; ++i) {
+      const bool left = off[i] > 0;
+      const float other_in = off_in[i] * (left ? 0.5F : 0.0F), other_out = off_out[i] * (left ? 0.0F : 0.5F);
+      in[i] = left ? in[i] : t[i];
+      out[i] = left ? t[i] : out[i];
+      off_in[i] = left ? other_in : (off[i] < -1e-9F ? off[i] : -1e-9F);
+      off_out[i] = left ? off[i] : other_out;
+    }
+  }
+  for (int i = 0; i < lanes; ++i) kept[i] = t[i];  // the ends may close in from one side only
+}
+
+GREENRAY_VECTOR_CLONES void into_gamut(const OkMatrices &ok, Lanes rgb[3]) {
+  ChromaLines line;
+  Lanes kept;
+  lines_to_grey(ok, rgb, line);
+  leave_gamut(line, ok, kept);
+  for (int i = 0; i < lanes; ++i) {
+    float cube[3];
+    for (std::size_t j = 0; j < 3; ++j) {
+      const float root = line.base[i] + kept[i] * line.slope[j][i];
+      cube[j] = root * root * root;
+    }
+    for (std::size_t c = 0; c < 3; ++c)
+      rgb[c][i] = ok.rgb_of_lms[c][0] * cube[0] + ok.rgb_of_lms[c][1] * cube[1] + ok.rgb_of_lms[c][2] * cube[2];
+  }
+}
+
+/// Samples outside [0, 1] by more than 1e-6, NaN among them.
+GREENRAY_VECTOR_CLONES int count_outside(const float *samples, std::size_t count) {
+  int outside = 0;
+  for (std::size_t i = 0; i < count; ++i) outside += samples[i] >= -1e-6F && samples[i] <= 1 + 1e-6F ? 0 : 1;
+  return outside;
+}
+
+GREENRAY_VECTOR_CLONES void clip(float *samples, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) samples[i] = samples[i] > 0 ? (samples[i] < 1 ? samples[i] : 1.0F) : 0.0F;
 }
 
 }  // namespace
 
 std::size_t gamut_rows(std::size_t count, float *rgb) {
+  static const OkMatrices ok;
   std::size_t moved = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    float *pixel = rgb + 3 * i;
-    const float least = std::min({pixel[0], pixel[1], pixel[2]}), most = std::max({pixel[0], pixel[1], pixel[2]});
-    if (least < -1e-6F || most > 1 + 1e-6F) {
-      into_gamut(pixel);
+  std::array<float *, lanes> pixels{};
+  int waiting = 0;
+  const auto move = [&] {
+    Lanes colours[3] = {};
+    for (int i = 0; i < waiting; ++i)
+      for (std::size_t c = 0; c < 3; ++c) colours[c][i] = pixels[static_cast<std::size_t>(i)][c];
+    into_gamut(ok, colours);
+    for (int i = 0; i < waiting; ++i)
+      for (std::size_t c = 0; c < 3; ++c) pixels[static_cast<std::size_t>(i)][c] = colours[c][i];
+    waiting = 0;
+  };
+  constexpr std::size_t block = 64;
+  for (std::size_t begin = 0; begin < count; begin += block) {
+    const std::size_t some = std::min(block, count - begin);
+    if (count_outside(rgb + 3 * begin, 3 * some) == 0) continue;
+    for (std::size_t i = begin; i < begin + some; ++i) {
+      float *pixel = rgb + 3 * i;
+      const float least = std::min({pixel[0], pixel[1], pixel[2]}), most = std::max({pixel[0], pixel[1], pixel[2]});
+      if (!(least < -1e-6F || most > 1 + 1e-6F)) continue;
       ++moved;
+      pixels[static_cast<std::size_t>(waiting)] = pixel;
+      if (++waiting == lanes) move();
     }
-    for (std::size_t c = 0; c < 3; ++c) pixel[c] = clamped(pixel[c], 0, 1);
   }
+  if (waiting > 0) move();
+  clip(rgb, 3 * count);
   return moved;
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "support/fast_math.hpp"
+
 namespace greenray::vision {
 
 namespace {
@@ -12,13 +14,13 @@ constexpr int all_pairs_side = 40;
 /// Widths of half this to this many pixels belong to a level: narrower ones would show the grid, wider ones cost more.
 constexpr double widest_in_level = 2.4;
 
-/* Variance [pixels^2] that going down to a level and back adds: bilinear steps up (1/4 of the change of 4^level),
-   smooth steps down as much, means over the cells of the survey a third of that. */
-double pyramid_variance(int level, int cell_level) {
-  const double whole = std::exp2(2.0 * level) - 1;
-  if (level < cell_level) return 0.5 * whole;
-  const double cell = std::exp2(2.0 * cell_level) - 1;
-  return 0.25 * whole + cell / 12 + 0.25 * (whole - cell);
+/// Variance [pixels^2] that going down to a level and back adds: (1 3 3 1)/8 down and straight lines up, as much each.
+double pyramid_variance(int level) { return 0.5 * (std::exp2(2.0 * level) - 1); }
+
+/// Every place of a row gives to every place of another: to[x] += sum of from[i] weights[x - i].
+GREENRAY_VECTOR_CLONES void add_row_to_row(const float *from, const float *weights, int width, float *to) {
+  for (int i = 0; i < width; ++i)
+    for (int x = 0; x < width; ++x) to[x] += from[i] * weights[x - i];
 }
 
 double radians(double deg) { return deg * std::numbers::pi / 180; }
@@ -50,7 +52,7 @@ GlareFilter::GlareFilter(int width, int height, int levels, double pixel_deg, co
    ones, below 1.2 pixels two and two together. */
 std::vector<GlareFilter::Blur> GlareFilter::blurs_of_level(int level) const {
   std::vector<Blur> blurs;
-  const double own = pyramid_variance(level, levels_), scale = std::exp2(-2.0 * level);
+  const double own = pyramid_variance(level), scale = std::exp2(-2.0 * level);
   Blur narrow{0, 0}, wide{0, 0};
   for (const GaussianSpread &g : sum_.gaussians) {
     const double sigma = g.sigma_deg / pixel_deg_, in_level = sigma * std::exp2(-level);
@@ -69,17 +71,22 @@ std::vector<GlareFilter::Blur> GlareFilter::blurs_of_level(int level) const {
 }
 
 Plane GlareFilter::veil(const Plane &cells) const {
-  std::vector<Plane> lights{cells};
-  while (std::max(lights.back().width, lights.back().height) > all_pairs_side)
-    lights.push_back(halved_smoothly(lights.back()));
-  const int top = static_cast<int>(lights.size()) - 1;
+  int top = 0;
+  while (((std::max(cells.width, cells.height) - 1) >> top) + 3 > all_pairs_side) ++top;
+  // one coarsest point more on each side, so that what is straight between points does not end inside the frame
+  const int margin = top == 0 ? 0 : 1 << top;
+  std::vector<Plane> lights{Plane(cells.width + 2 * margin, cells.height + 2 * margin)};
+  for (int y = 0; y < cells.height; ++y) std::copy_n(cells.row(y), cells.width, lights[0].row(y + margin) + margin);
+  for (int step = 0; step < top; ++step) lights.push_back(halved_smoothly(lights.back()));
   Plane veil = all_pairs(lights.back(), levels_ + top);
   for (int step = top - 1; step >= 0; --step) {
     const Plane &light = lights[static_cast<std::size_t>(step)];
     veil = doubled(veil, light.width, light.height);
     for (const Blur &blur : blurs_of_level(levels_ + step)) add_blurred(light, blur.variance, blur.share, veil);
   }
-  return veil;
+  Plane inside(cells.width, cells.height);
+  for (int y = 0; y < cells.height; ++y) std::copy_n(veil.row(y + margin) + margin, cells.width, inside.row(y));
+  return inside;
 }
 
 Plane GlareFilter::spread(const Plane &band, int first_row, const Plane &veil) const {
@@ -88,8 +95,10 @@ Plane GlareFilter::spread(const Plane &band, int first_row, const Plane &veil) c
   const int cell = 1 << levels_, rows = (band.height + cell - 1) / cell;
   // the veil's rows of this band: first_row is a multiple of the cell
   Plane spread(veil.width, rows);
-  for (int y = 0; y < rows; ++y)
-    std::copy_n(veil.row(std::clamp(first_row / cell + y, 0, veil.height - 1)), veil.width, spread.row(y));
+  for (int y = 0; y < rows; ++y) {
+    const std::vector<float> row = row_or_beyond(veil, first_row / cell + y + 1);
+    std::copy(row.begin(), row.end(), spread.row(y));
+  }
   for (int level = levels_ - 1; level >= 0; --level) {
     const Plane &light = lights[static_cast<std::size_t>(level)];
     spread = doubled(spread, light.width, light.height);
@@ -103,7 +112,7 @@ Plane GlareFilter::spread(const Plane &band, int first_row, const Plane &veil) c
 /// Everything that no lower level has, pair by pair.
 Plane GlareFilter::all_pairs(const Plane &cells, int level) const {
   const int w = cells.width, h = cells.height;
-  const double cell_sr = pixel_sr_ * std::exp2(2.0 * level), own = pyramid_variance(level, levels_);
+  const double cell_sr = pixel_sr_ * std::exp2(2.0 * level), own = pyramid_variance(level);
   std::vector<float> kernel(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), 0.0F);
   std::vector<double> sums(kernel.size(), 0.0);
   for (const GaussianSpread &g : sum_.gaussians) {
@@ -126,16 +135,16 @@ Plane GlareFilter::all_pairs(const Plane &cells, int level) const {
       const auto i = static_cast<std::size_t>(y * w + x);
       kernel[i] = static_cast<float>(sums[i] + flat * cell_sr);
     }
+  std::vector<float> mirrored(static_cast<std::size_t>(2 * w));  // offsets -(w - 1) .. w - 1
   Plane veil(w, h);
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      double sum = 0;
-      for (int sy = 0; sy < h; ++sy) {
-        const float *from = cells.row(sy), *weights = kernel.data() + std::abs(sy - y) * w;
-        for (int sx = 0; sx < w; ++sx) sum += static_cast<double>(weights[std::abs(sx - x)] * from[sx]);
-      }
-      veil.row(y)[x] = static_cast<float>(sum);
+  for (int dy = 0; dy < h; ++dy) {
+    for (int dx = 1 - w; dx < w; ++dx)
+      mirrored[static_cast<std::size_t>(dx + w - 1)] = kernel[static_cast<std::size_t>(dy * w + std::abs(dx))];
+    for (int y = 0; y + dy < h; ++y) {
+      add_row_to_row(cells.row(y), mirrored.data() + w - 1, w, veil.row(y + dy));
+      if (dy > 0) add_row_to_row(cells.row(y + dy), mirrored.data() + w - 1, w, veil.row(y));
     }
+  }
   return veil;
 }
 

@@ -21,10 +21,11 @@ class GlareFilter {
   double kept_by_cells() const { return kept_by_cells_; }
   double kept_by_pixels() const { return kept_by_pixels_; }
 
-  /// Veil over the cells from everything wider than a cell. cells: differences to the light around.
+  /// Veil over the cells from everything wider than a cell. cells: smooth differences to the light around, with a frame
+  /// of one cell (Survey::smooth). returns: the same size.
   Plane veil(const Plane &cells) const;
-  /* Spread light of a band, all rows valid but the halo. band: differences, its first row at first_row (a multiple of
-     2^levels, may be negative), rows outside the picture 0. */
+  /* Spread light of a band, all rows valid but the halo. band: differences, a cell more on the left and the right, its
+     first row at first_row (a multiple of 2^levels, may be negative), 0 outside the picture. */
   Plane spread(const Plane &band, int first_row, const Plane &veil) const;
 
  private:

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -65,9 +66,12 @@ struct GreenerSinks {
 };
 inline const std::vector<std::string> greener_channels{"hue_shift_deg", "delta_e2000", "unbleached_L", "unbleached_M"};
 
+class PigmentHistory;
+
 class HumanEye {
  public:
   explicit HumanEye(EyeOptions options);
+  ~HumanEye();
 
   /* One picture to display-linear rows in `sink` (Rec. 709, 0..1). With carry_state the pictures are a sequence, each
      looked at for options.bleaching.seconds, and must have one size.
@@ -77,12 +81,11 @@ class HumanEye {
   EyeReport develop(PictureSource &picture, PictureSink &sink, const GreenerSinks &greener = {});
 
  private:
+  void meet(const PictureFacts &facts);
+
   EyeOptions options_;
-  std::array<std::vector<float>, 3> state_;       // unbleached fraction of every pixel, between pictures of a sequence
-  std::array<std::vector<float>, 3> cell_state_;  // the same of the cells
-  std::array<double, 3> disk_state_{1, 1, 1};
-  int width_ = 0, height_ = 0;
-  friend class Development;
+  std::unique_ptr<PigmentHistory> pigment_;  // of a sequence
+  int width_ = 0, height_ = 0;               // of a sequence
 };
 
 }  // namespace greenray::vision

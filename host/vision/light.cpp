@@ -55,7 +55,7 @@ LightConverter::LightConverter(const PictureFacts &facts) : spectral_(facts.spec
   weights_.push_back(as_floats(scotopic_weights(nm)));
 }
 
-LightFaults LightConverter::convert(const std::vector<float> &raw, std::size_t width, std::size_t rows,
+LightFaults LightConverter::convert(std::vector<float> &raw, std::size_t width, std::size_t rows,
                                     float infinite_becomes_cd_m2, std::vector<float> &light) const {
   const std::size_t count = width * rows;
   if (spectral_) {
@@ -64,7 +64,7 @@ LightFaults LightConverter::convert(const std::vector<float> &raw, std::size_t w
       for (std::size_t k = 0; k < weights_[plane].size(); ++k)
         add_weighted(raw.data() + k * count, weights_[plane][k], count, light.data() + plane * count);
   } else {
-    light = raw;
+    light.swap(raw);
   }
   return clean(width, rows, infinite_becomes_cd_m2, light);
 }
@@ -140,7 +140,7 @@ LightStore::LightStore(PictureSource &source, std::size_t budget_bytes)
       height_(static_cast<std::size_t>(source.facts().height)) {
   const std::size_t pixels = width_ * height_;
   if (converter_.planes() * pixels * sizeof(float) <= budget_bytes)
-    kept_.assign(converter_.planes(), std::vector<float>(pixels));
+    kept_.reset(new float[converter_.planes() * pixels]);
 }
 
 LightFaults LightStore::load(int first, int rows, std::vector<float> &light) {
@@ -149,14 +149,10 @@ LightFaults LightStore::load(int first, int rows, std::vector<float> &light) {
   const auto count_rows = static_cast<std::size_t>(rows);
   const LightFaults faults = converter_.convert(raw, width_, count_rows, infinite_becomes_cd_m2_, light);
   const std::size_t count = width_ * count_rows;
-  for (std::size_t plane = 0; plane < kept_.size(); ++plane)
-    std::copy_n(light.data() + plane * count, count, kept_[plane].data() + width_ * static_cast<std::size_t>(first));
+  for (std::size_t plane = 0; kept_ && plane < converter_.planes(); ++plane)
+    std::copy_n(light.data() + plane * count, count,
+                kept_.get() + width_ * (plane * height_ + static_cast<std::size_t>(first)));
   return faults;
-}
-
-void LightStore::copy(std::size_t plane, int first, int rows, float *to) const {
-  std::copy_n(kept_.at(plane).data() + width_ * static_cast<std::size_t>(first),
-              width_ * static_cast<std::size_t>(rows), to);
 }
 
 }  // namespace greenray::vision

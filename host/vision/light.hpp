@@ -28,8 +28,8 @@ class LightConverter {
   explicit LightConverter(const PictureFacts &facts);
   std::size_t planes() const { return spectral_ ? 5 : 3; }
   std::size_t luminance_plane() const { return spectral_ ? 3 : 1; }
-  /// infinite_becomes_cd_m2: see LightFaults. light: resized. raw: [planes of the source][count].
-  LightFaults convert(const std::vector<float> &raw, std::size_t width, std::size_t rows, float infinite_becomes_cd_m2,
+  /// infinite_becomes_cd_m2: see LightFaults. light: resized. raw: [planes of the source][count], used up.
+  LightFaults convert(std::vector<float> &raw, std::size_t width, std::size_t rows, float infinite_becomes_cd_m2,
                       std::vector<float> &light) const;
 
  private:
@@ -46,19 +46,21 @@ class LightStore {
  public:
   LightStore(PictureSource &source, std::size_t budget_bytes);
   const LightConverter &converter() const { return converter_; }
-  bool in_memory() const { return !kept_.empty(); }
+  bool in_memory() const { return kept_ != nullptr; }
   void set_infinite(float cd_m2) { infinite_becomes_cd_m2_ = cd_m2; }
   /// Reads rows from the source; keeps them if there is room. Threads may load different rows at once.
   LightFaults load(int first, int rows, std::vector<float> &light);
-  /// Rows first .. first+rows-1 of one plane into to[rows][width]. Only while in_memory().
-  void copy(std::size_t plane, int first, int rows, float *to) const;
+  /// A row of one plane. Only while in_memory().
+  const float *row(std::size_t plane, int y) const {
+    return kept_.get() + width_ * (plane * height_ + static_cast<std::size_t>(y));
+  }
 
  private:
   PictureSource &source_;
   LightConverter converter_;
   std::size_t width_, height_;
   float infinite_becomes_cd_m2_ = 0;
-  std::vector<std::vector<float>> kept_;  // [plane][height][width]
+  std::unique_ptr<float[]> kept_;  // [plane][height][width], not set before load()
 };
 
 }  // namespace greenray::vision

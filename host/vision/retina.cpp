@@ -163,27 +163,53 @@ SpectralScreening::SpectralScreening(const std::vector<double> &wavelength_nm) {
   }
 }
 
+SelfScreening SpectralScreening::of(const float *radiance, std::size_t spacing) const {
+  SelfScreening result;
+  for (std::size_t k = 0; k < 3; ++k) {
+    float all = 0, bleached = 0, gone = 0;
+    for (std::size_t w = 0; w < whole[k].size(); ++w) {
+      const float value = radiance[w * spacing];
+      if (!(value > 0) || std::isinf(value)) continue;
+      all += value * whole[k][w];
+      bleached += value * half[k][w];
+      gone += value * none[k][w];
+    }
+    if (all > 0) result.at_none[k] = gone / all, result.at_half[k] = bleached / all;
+  }
+  return result;
+}
+
 double Retina::after(double before, double td) const {
   if (options.exposure == BleachingOptions::Exposure::off) return before;
   if (options.exposure == BleachingOptions::Exposure::steady) return steady_unbleached(td, options.pigment);
   return unbleached_after(before, td, options.seconds, options.pigment);
 }
 
+void cone_response(std::size_t cone, const float *x, const float *y, const float *z, std::size_t count, float *to) {
+  combine(x, y, z, matrices().lms[cone], count, to);
+}
+
+void expose_cones(const Retina &retina, std::size_t cone, const float *response, std::size_t count, float *u) {
+  const BleachingOptions &options = retina.options;
+  const bool steady = options.exposure == BleachingOptions::Exposure::steady;
+  if (options.exposure == BleachingOptions::Exposure::off || (!steady && !(options.seconds > 0))) return;
+  const auto half = static_cast<float>(options.pigment.half_bleach_td);
+  const auto rate = static_cast<float>(options.seconds / options.pigment.time_constant_s);
+  expose(response, retina.td_per_lms[cone] / half, rate, steady, count, u);
+}
+
 void bleach_rows(const Retina &retina, std::size_t count, float *x, float *y, float *z, float *luminance,
                  const std::array<float *, 3> &u, const std::vector<SelfScreening> &screening) {
   const BleachingOptions &options = retina.options;
-  const bool steady = options.exposure == BleachingOptions::Exposure::steady;
   if (options.exposure == BleachingOptions::Exposure::off) return;
   std::vector<float> responses(3 * count), gains(3 * count);
   const float *response[3], *gain[3];
   for (std::size_t i = 0; i < 3; ++i) {
     float *to = responses.data() + i * count, *gain_to = gains.data() + i * count;
     response[i] = to, gain[i] = gain_to;
-    combine(x, y, z, matrices().lms[i], count, to);
-    const auto half = static_cast<float>(options.pigment.half_bleach_td);
-    const auto rate = static_cast<float>(options.seconds / options.pigment.time_constant_s);
+    cone_response(i, x, y, z, count, to);
     if (retina.shared) std::fill_n(u[i], count, (*retina.shared)[i]);
-    else if (steady || options.seconds > 0) expose(to, retina.td_per_lms[i] / half, rate, steady, count, u[i]);
+    else expose_cones(retina, i, to, count, u[i]);
     switch (options.model) {
       case BleachModel::catch_:
         gains_from_catch(u[i], 1.0F, count, gain_to);

@@ -47,6 +47,8 @@ class BandScreening {
 /// The same from spectra: weights of each sample, catch per pigment at u = 1, 0.5 and -> 0, all to one scale.
 struct SpectralScreening {
   explicit SpectralScreening(const std::vector<double> &wavelength_nm);
+  /// radiance: of the first wavelength; of the next one `spacing` further on. What is no light is left out.
+  SelfScreening of(const float *radiance, std::size_t spacing) const;
   std::array<std::vector<float>, 3> whole, half, none;  // [cone][wavelength]
 };
 
@@ -57,9 +59,16 @@ struct Retina {
   std::array<float, 3> pool{1, 1, 1};  // u of the pool: for `adapted`
   std::optional<std::array<float, 3>> shared;  // u of every pixel, where pooled
 
+  bool bleaches() const { return options.exposure != BleachingOptions::Exposure::off; }
   /// Unbleached fraction after this picture's exposure.
   double after(double before, double td) const;
 };
+
+/// Response of a kind of cone [cd/m2, fundamentals of peak 1] to colours x, y, z.
+void cone_response(std::size_t cone, const float *x, const float *y, const float *z, std::size_t count, float *to);
+
+/// Kinetics under this picture's exposure, each of u by its own light; floats, within 3e-7 of Retina::after.
+void expose_cones(const Retina &retina, std::size_t cone, const float *response, std::size_t count, float *u);
 
 /* count pixels. x, y, z: colour, changed in place; luminance: changed only if options.dims.
    u[3]: unbleached fractions: before this picture on entry, after it on return.

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "support/fast_math.hpp"
 #include "support/parallel.hpp"
 
 namespace greenray::vision {
@@ -46,9 +47,47 @@ std::vector<std::vector<int>> scatter(int width, int height, std::size_t count) 
   return columns;
 }
 
+/// A line of ones, halved smoothly, with a cell more on either side.
+std::vector<float> smooth_ones(int size, int levels) {
+  const int cell = 1 << levels;
+  std::vector<double> line(static_cast<std::size_t>((size + cell - 1) / cell * cell + 2 * cell), 0.0);
+  std::fill_n(line.begin() + cell, size, 1.0);
+  for (int level = 0; level < levels; ++level) {
+    std::vector<double> coarse(line.size() / 2);
+    const auto at = [&line](std::size_t i) { return i < line.size() ? line[i] : 0.0; };
+    for (std::size_t i = 0; i < coarse.size(); ++i)
+      coarse[i] = 0.125 * ((i > 0 ? at(2 * i - 1) : 0.0) + at(2 * i + 2)) + 0.375 * (at(2 * i) + at(2 * i + 1));
+    line = coarse;
+  }
+  return {line.begin(), line.end()};
+}
+
+GREENRAY_VECTOR_CLONES void add_values(const float *from, std::size_t count, float *to) {
+  for (std::size_t i = 0; i < count; ++i) to[i] += from[i];
+}
+
+struct Extent {
+  float least, most;
+};
+
+/// Eight at a time.
+GREENRAY_VECTOR_CLONES Extent extent_of(const float *values, std::size_t count) {
+  float least[8], most[8];
+  for (float &value : least) value = values[0];
+  for (float &value : most) value = values[0];
+  std::size_t i = 0;
+  for (; i + 8 <= count; i += 8)
+    for (std::size_t k = 0; k < 8; ++k) {
+      least[k] = values[i + k] < least[k] ? values[i + k] : least[k];
+      most[k] = values[i + k] > most[k] ? values[i + k] : most[k];
+    }
+  for (; i < count; ++i) least[0] = std::min(least[0], values[i]), most[0] = std::max(most[0], values[i]);
+  return {*std::min_element(least, least + 8), *std::max_element(most, most + 8)};
+}
+
 class Surveyor {
  public:
-  Surveyor(LightStore &store, const PictureFacts &facts, std::size_t points)
+  Surveyor(LightStore &store, const PictureFacts &facts, std::size_t points, bool smooth)
       : store_(store),
         width_(facts.width),
         height_(facts.height),
@@ -57,7 +96,9 @@ class Surveyor {
     const int cell = 1 << survey_.levels;
     const int w = (width_ + cell - 1) / cell, h = (height_ + cell - 1) / cell;
     survey_.cells.assign(store.converter().planes(), Plane(w, h));
-    survey_.coverage = Plane(w, h);
+    if (smooth) survey_.smooth.assign(store.converter().planes(), Plane(w + 2, h + 2));
+    survey_.smooth_across = smooth_ones(width_, survey_.levels);
+    survey_.smooth_down = smooth_ones(height_, survey_.levels);
     std::size_t count = 0;
     for (const auto &row : columns_) first_point_.push_back(count), count += row.size();
     survey_.points.resize(count);
@@ -78,42 +119,68 @@ class Surveyor {
     std::vector<float> light;
     const LightFaults faults = store_.load(first, rows, light);
     const std::size_t count = static_cast<std::size_t>(width_) * static_cast<std::size_t>(rows);
-    const float *luminance = light.data() + store_.converter().luminance_plane() * count;
-    const auto [least, most] = std::minmax_element(luminance, luminance + count);
-    for (std::size_t plane = 0; plane < survey_.cells.size(); ++plane)
-      average(light.data() + plane * count, first, rows, survey_.cells[plane], plane == 0);
+    const std::size_t luminance_plane = store_.converter().luminance_plane();
+    const float *luminance = light.data() + luminance_plane * count;
+    const Extent extent = extent_of(luminance, count);
+    for (std::size_t plane = 0; plane < survey_.cells.size(); ++plane) {
+      const double sum = average(light.data() + plane * count, first, rows, survey_.cells[plane]);
+      // added in order later: the same sum for any threads
+      if (plane == luminance_plane) sums_[static_cast<std::size_t>(first / rows_per_piece)] = sum;
+    }
+    share_smoothly(light, first, rows);
     for (int y = 0; y < rows; ++y) {
       const auto row = static_cast<std::size_t>(first + y);
       for (std::size_t i = 0; i < columns_[row].size(); ++i)
-        survey_.points[first_point_[row] + i] = luminance[static_cast<std::size_t>(y * width_ + columns_[row][i])];
+        survey_.points[first_point_[row] + i] =
+            luminance[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                      static_cast<std::size_t>(columns_[row][i])];
     }
-    double sum = 0;
-    for (std::size_t i = 0; i < count; ++i) sum += static_cast<double>(luminance[i]);
-    sums_[static_cast<std::size_t>(first / rows_per_piece)] = sum;  // added in order: the same sum for any threads
     const std::lock_guard<std::mutex> guard(lock_);
     survey_.faults.add(faults);
-    survey_.least_cd_m2 = std::min(survey_.least_cd_m2, *least);
-    survey_.most_cd_m2 = std::max(survey_.most_cd_m2, *most);
+    survey_.least_cd_m2 = std::min(survey_.least_cd_m2, extent.least);
+    survey_.most_cd_m2 = std::max(survey_.most_cd_m2, extent.most);
   }
 
-  void average(const float *light, int first, int rows, Plane &cells, bool with_coverage) {
+  /// Means of the cells of some rows. returns: the sum of all pixels.
+  double average(const float *light, int first, int rows, Plane &cells) {
     const int cell = 1 << survey_.levels;
-    std::vector<float> sums(static_cast<std::size_t>(cells.width));
+    const auto width = static_cast<std::size_t>(width_);
+    std::vector<float> columns(width);
+    double whole = 0;
     for (int top = 0; top < rows; top += cell) {
-      std::fill(sums.begin(), sums.end(), 0.0F);
       const int height = std::min(cell, rows - top);
-      for (int y = top; y < top + height; ++y) {
-        const float *row = light + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
-        int x = 0;
-        for (int c = 0; c < cells.width; ++c)
-          for (const int end = std::min(x + cell, width_); x < end; ++x) sums[static_cast<std::size_t>(c)] += row[x];
-      }
-      const int y = (first + top) >> survey_.levels;
+      const float *row = light + static_cast<std::size_t>(top) * width;
+      std::copy_n(row, width, columns.begin());
+      for (int y = 1; y < height; ++y) add_values(row + static_cast<std::size_t>(y) * width, width, columns.data());
+      float *to = cells.row((first + top) >> survey_.levels);
       for (int c = 0; c < cells.width; ++c) {
-        const int pixels = height * std::min(cell, width_ - c * cell);
-        cells.row(y)[c] = sums[static_cast<std::size_t>(c)] / static_cast<float>(pixels);
-        if (with_coverage) survey_.coverage.row(y)[c] = static_cast<float>(pixels) / static_cast<float>(cell * cell);
+        const int from = c * cell, end = std::min(from + cell, width_);
+        float sum = 0;
+        for (int x = from; x < end; ++x) sum += columns[static_cast<std::size_t>(x)];
+        to[c] = sum / static_cast<float>(height * (end - from));
+        whole += static_cast<double>(sum);
       }
+    }
+    return whole;
+  }
+
+  /* What the rows of a piece give to the smooth cells, those just above and below the piece included. A cell gets a
+     share from two pieces at most: their sum does not depend on which was first. */
+  void share_smoothly(const std::vector<float> &light, int first, int rows) {
+    const int cell = 1 << survey_.levels;
+    const std::size_t count = static_cast<std::size_t>(width_) * static_cast<std::size_t>(rows);
+    for (std::size_t c = 0; c < survey_.smooth.size(); ++c) {
+      Plane &cells = survey_.smooth[c];
+      const float *values = light.data() + c * count;
+      Plane share(width_ + 2, rows + 2);
+      if (survey_.levels > 0) share = halved_smoothly(values, width_, rows, cell / 2);
+      else
+        for (int y = 0; y < rows; ++y) std::copy_n(values + y * width_, width_, share.row(y + 1) + 1);
+      for (int level = 1; level < survey_.levels; ++level) share = halved_smoothly(share);
+      const int top = first / cell;  // in the frame
+      const std::lock_guard<std::mutex> guard(lock_);
+      for (int y = 0; y < std::min(share.height, cells.height - top); ++y)
+        add_values(share.row(y), static_cast<std::size_t>(cells.width), cells.row(top + y));
     }
   }
 
@@ -151,11 +218,11 @@ ViewGeometry view_geometry(int width, int height, std::optional<double> fov_deg,
   return view;
 }
 
-Survey survey_picture(LightStore &store, const PictureFacts &facts, std::size_t points, unsigned threads) {
-  Survey survey = Surveyor(store, facts, points).run(threads);
+Survey survey_picture(LightStore &store, const PictureFacts &facts, std::size_t points, bool smooth, unsigned threads) {
+  Survey survey = Surveyor(store, facts, points, smooth).run(threads);
   if (survey.faults.infinite == 0) return survey;
   store.set_infinite(survey.most_cd_m2);
-  return Surveyor(store, facts, points).run(threads);
+  return Surveyor(store, facts, points, smooth).run(threads);
 }
 
 std::vector<float> surround_of(const Survey &survey, std::size_t luminance_plane) {

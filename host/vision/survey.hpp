@@ -18,9 +18,13 @@ struct ViewGeometry {
 ViewGeometry view_geometry(int width, int height, std::optional<double> fov_deg, double magnification);
 
 struct Survey {
-  int levels = 0;             // a cell is 2^levels x 2^levels pixels
-  Planes cells;               // [light plane]: means over the pixels of a cell that lie in the picture
-  Plane coverage;             // share of a cell that does
+  int levels = 0;  // a cell is 2^levels x 2^levels pixels
+  Planes cells;    // [light plane]: means over the pixels of a cell that lie in the picture
+  /* [light plane]: the cells again, each a smooth mean that takes from its neighbours, so that a light between two
+     cells is shared by them (halved_smoothly, nothing outside), with a frame of one cell around. What a picture of 1
+     has there is the product of a column's value and a row's. */
+  Planes smooth;
+  std::vector<float> smooth_across, smooth_down;
   std::vector<float> points;  // luminance of single pixels, evenly scattered (R2 sequence), always the same ones
   LightFaults faults;
   float least_cd_m2 = 0, most_cd_m2 = 0;
@@ -28,8 +32,8 @@ struct Survey {
 };
 
 /* Reads the whole picture once, twice if it has infinite pixels: they become as bright as the brightest finite one.
-   points: wanted number of single pixels; all of them if the picture has fewer. */
-Survey survey_picture(LightStore &store, const PictureFacts &facts, std::size_t points, unsigned threads);
+   points: wanted number of single pixels; all of them if the picture has fewer. smooth: make the smooth cells, too */
+Survey survey_picture(LightStore &store, const PictureFacts &facts, std::size_t points, bool smooth, unsigned threads);
 
 /// Light around the picture: the mean of the cells along its frame, without the brightest quarter (a Sun at the edge).
 std::vector<float> surround_of(const Survey &survey, std::size_t luminance_plane);

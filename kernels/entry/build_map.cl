@@ -1,6 +1,7 @@
-/* Photon records -> the map: keys and counts by chunk, prefix sums, dealing, cells, one array for each quantity. */
+/* Photon records -> the map: dealt out by chunk, prefix sums, cells and arrays by bucket. */
 #include "lib/language.h"
 
+#include "lib/lanes.h"
 #include "lib/vec3.h"
 
 #include "lib/pack.h"
@@ -10,44 +11,39 @@
 #include "map/grid.h"
 
 #include "map/counting_sort.h"
-#include "map/photon_arrays.h"
 
-/* chunk_order[chunk]: whether the chunk's photons stand in the order of (id, bounce), and its first and last. */
-__kernel void key_photons(__global const Photon *photons, __global KeyedPhoton *pairs, __global int *counts,
-                          __global ChunkOrder *chunk_order, const SortPlan plan, const PhotonGrid grid) {
+#include "map/file_bucket.h"
+
+__kernel void deal_photons(__global const Photon *photons, __global const float *power_W, __global int *cells,
+                           __global MovedPhoton *moved, __global int *starts, __global ChunkOrder *orders,
+                           const SortPlan plan, const PhotonGrid grid) {
   const int chunk = (int)get_global_id(0);
-  if (chunk > 0 && chunk * plan.chunk >= plan.photons) return;
-  chunk_order[chunk] = key_chunk(&plan, &grid, photons, pairs, counts + chunk * plan.buckets, chunk);
+  if (chunk < plan.chunks)
+    orders[chunk] = deal_chunk(&plan, &grid, photons, power_W, cells, moved, starts + chunk * plan.row, chunk);
 }
 
-__kernel void scan_counts(__global int *counts, __global int *bucket_start, const int buckets, const int chunks) {
+/* bucket_start[row]: the photons of each bucket. */
+__kernel void total_buckets(__global const int *starts, __global int *bucket_start, const SortPlan plan) {
+  const int bucket = (int)get_global_id(0) * LANES;
+  if (bucket < plan.buckets) store_ints(bucket_start + bucket, bucket_totals(&plan, starts, bucket));
+}
+
+__kernel void scan_buckets(__global const ChunkOrder *orders, __global int *bucket_start, __global Filing *filing,
+                           const SortPlan plan) {
+  if (get_global_id(0) == 0) *filing = scan_totals(&plan, orders, bucket_start);
+}
+
+__kernel void file_photons(__global const Photon *photons, __global const float *power_W,
+                           __global const MovedPhoton *moved, __global const int *starts,
+                           __global const int *bucket_start, __global const Filing *filing, __global int *cell_start,
+                           __global float *x_m, __global float *y_m, __global float *z_m, __global uint *normal,
+                           __global float *map_power_W, __global uint *order, const int stride, const SortPlan plan) {
   const int bucket = (int)get_global_id(0);
-  if (bucket < buckets) bucket_start[bucket] = scan_chunks(counts, buckets, chunks, bucket);
-}
-
-__kernel void scan_totals(__global int *bucket_start, const int buckets) {
-  if (get_global_id(0) == 0) scan_buckets(bucket_start, buckets);
-}
-
-__kernel void deal_photons(__global const KeyedPhoton *pairs, __global KeyedPhoton *dealt,
-                           __global const int *bucket_start, __global int *counts, const SortPlan plan) {
-  const int chunk = (int)get_global_id(0);
-  if (chunk > 0 && chunk * plan.chunk >= plan.photons) return;
-  deal_chunk(&plan, pairs, dealt, bucket_start, counts + chunk * plan.buckets, chunk);
-}
-
-__kernel void sort_cells(__global const KeyedPhoton *dealt, __global const int *bucket_start, __global int *cell_start,
-                         __global uint *order, const SortPlan plan, const int cells) {
-  const int bucket = (int)get_global_id(0);
-  if (bucket < plan.buckets) sort_bucket(&plan, cells, dealt, bucket_start, cell_start, order, bucket);
-}
-
-__kernel void transpose(__global const Photon *photons, __global const float *power_W, __global const uint *order,
-                        __global const int *cell_start, __global float *x_m, __global float *y_m, __global float *z_m,
-                        __global uint *normal, __global float *wave_power_W, const int cells, const int chunk,
-                        const int stride) {
-  const int filled = cell_start[cells], first = (int)get_global_id(0) * chunk;
-  if (first >= filled + LANES) return;
-  transpose_photons(photons, power_W, order, x_m, y_m, z_m, normal, wave_power_W, first,
-                    min(first + chunk, filled + LANES), filled, stride);
+  if (bucket >= plan.buckets) return;
+  const FiledArrays map = {cell_start, x_m, y_m, z_m, normal, map_power_W, order, stride};
+  const int first = bucket_start[bucket], last = bucket_start[bucket + 1];
+  sort_bucket(&plan, moved, starts, first, cell_start, order, bucket);
+  if (filing->unsorted) sort_cells_by_emission(&plan, photons, moved, cell_start, order, first, bucket);
+  write_photons(&map, moved, power_W, first, last);
+  if (bucket == plan.buckets - 1) write_zeros(&map, last);
 }

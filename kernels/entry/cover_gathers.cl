@@ -14,9 +14,8 @@
 
 #include "surface/cover.h"
 
-__kernel void cover_gathers(GEOMETRY_BUFFERS, __global const AirCell *air_cells, const AirShape air_shape,
-                            LOOKS_BUFFERS, __global const GatherPoint *points, __global const float *radius_m,
-                            __global Cover *covers, const CoverSettings settings) {
+__kernel void cover_gathers(GEOMETRY_BUFFERS, AIR_BUFFERS, LOOKS_BUFFERS, __global const GatherPoint *points,
+                            __global const float *radius_m, __global Cover *covers, const CoverSettings settings) {
   const int i = (int)get_global_id(0);
   if (i >= settings.count) return;
   const Geometry geometry = GEOMETRY_OF_BUFFERS;

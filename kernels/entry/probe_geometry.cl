@@ -1,12 +1,12 @@
 /* Paths to the next surface, read back: for tests and for the benchmark of short segments. */
 #include "surface/surface.h"
 
-__kernel void trace_paths(GEOMETRY_BUFFERS, __global const AirCell *air_cells, const AirShape air_shape,
-                          __global const PathStart *starts, __global PathEnd *ends, const int count) {
+__kernel void trace_paths(GEOMETRY_BUFFERS, AIR_BUFFERS, __global const PathStart *starts, __global PathEnd *ends,
+                          const int count) {
   const int i = (int)get_global_id(0);
   if (i >= count) return;
   const Geometry geometry = GEOMETRY_OF_BUFFERS;
-  const Air air = {air_cells, air_shape};
+  const Air air = AIR_OF_BUFFERS;
   PathEnd end;
   trace_path(&geometry, &air, starts[i], &end);
   ends[i] = end;

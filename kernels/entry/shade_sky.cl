@@ -1,4 +1,5 @@
-/* One work-item adds some samples of one pixel to its spectrum, and their band mean and its square for the noise. */
+/* One work-item adds some samples of one pixel to its spectrum, and their sum over wavelengths and its square for the
+   noise. The first samples replace what lies there. */
 #include "lib/language.h"
 #include "lib/random.h"
 #include "shared/sky.h"
@@ -33,10 +34,11 @@ __kernel void shade_sky(__global const float *table, __global const float *limb,
     mean += total;
     square += total * total;
   }
+  const bool more = view.first_sample > 0;
   for (int g = 0; g < SKY_WAVES / LANES; ++g) {
     __global float *out = spectra + pixel * waves + g * LANES;
-    store_lanes(out, load_lanes(out) + sum[g]);
+    store_lanes(out, more ? load_lanes(out) + sum[g] : sum[g]);
   }
-  moments[2 * pixel] += mean;
-  moments[2 * pixel + 1] += square;
+  moments[2 * pixel] = more ? moments[2 * pixel] + mean : mean;
+  moments[2 * pixel + 1] = more ? moments[2 * pixel + 1] + square : square;
 }

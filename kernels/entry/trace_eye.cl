@@ -19,13 +19,12 @@
 
 #include "surface/eye_path.h"
 
-__kernel void trace_eye(GEOMETRY_BUFFERS, __global const AirCell *air_cells, const AirShape air_shape, LOOKS_BUFFERS,
-                        __global EyeSample *samples, __global float *radiance, __global float *weight,
-                        const EyeCamera camera) {
+__kernel void trace_eye(GEOMETRY_BUFFERS, AIR_BUFFERS, LOOKS_BUFFERS, __global EyeSample *samples,
+                        __global float *radiance, __global float *weight, const EyeCamera camera) {
   const int i = (int)get_global_id(0);
   if (i >= camera.width * camera.rows * camera.samples) return;
   const Geometry geometry = GEOMETRY_OF_BUFFERS;
-  const Air air = {air_cells, air_shape};
+  const Air air = AIR_OF_BUFFERS;
   const Looks looks = LOOKS_OF_BUFFERS;
   const int pixel = i / camera.samples, sample = camera.first_sample + i % camera.samples;
   EyeSample out;

@@ -17,15 +17,14 @@
 
 #include "surface/photon_path.h"
 
-__kernel void trace_photons(GEOMETRY_BUFFERS, __global const AirCell *air_cells, const AirShape air_shape,
-                            LOOKS_BUFFERS, __global Photon *diffuse, __global float *diffuse_power,
-                            __global Photon *caustic, __global float *caustic_power, __global ChunkTally *tallies,
-                            const PhotonSettings settings, const int caustic_slots) {
+__kernel void trace_photons(GEOMETRY_BUFFERS, AIR_BUFFERS, LOOKS_BUFFERS, __global Photon *diffuse,
+                            __global float *diffuse_power, __global Photon *caustic, __global float *caustic_power,
+                            __global ChunkTally *tallies, const PhotonSettings settings, const int caustic_slots) {
   const int item = (int)get_global_id(0);
   const unsigned int begin = (unsigned int)item * (unsigned int)settings.chunk;
   if (begin >= settings.photons) return;
   const Geometry geometry = GEOMETRY_OF_BUFFERS;
-  const Air air = {air_cells, air_shape};
+  const Air air = AIR_OF_BUFFERS;
   const Looks looks = LOOKS_OF_BUFFERS;
   const size_t slot = (size_t)item * (size_t)settings.slots, rare = (size_t)item * (size_t)caustic_slots;
   PhotonStore store;

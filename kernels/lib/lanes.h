@@ -3,15 +3,21 @@
 #ifdef __OPENCL_C_VERSION__
 #if LANES == 8
 DEVICE mask load_ints(__global const int *p) { return vload8(0, p); }
+DEVICE void store_ints(__global int *p, mask m) { vstore8(m, 0, p); }
 DEVICE real as_reals(mask m) { return convert_float8(m); }
+DEVICE mask truncated(real v) { return convert_int8(v); }
 #define LANE_NUMBERS ((int8)(0, 1, 2, 3, 4, 5, 6, 7))
 #elif LANES == 4
 DEVICE mask load_ints(__global const int *p) { return vload4(0, p); }
+DEVICE void store_ints(__global int *p, mask m) { vstore4(m, 0, p); }
 DEVICE real as_reals(mask m) { return convert_float4(m); }
+DEVICE mask truncated(real v) { return convert_int4(v); }
 #define LANE_NUMBERS ((int4)(0, 1, 2, 3))
 #else
 DEVICE mask load_ints(__global const int *p) { return *p; }
+DEVICE void store_ints(__global int *p, mask m) { *p = m; }
 DEVICE real as_reals(mask m) { return (float)m; }
+DEVICE mask truncated(real v) { return (int)v; }
 #define LANE_NUMBERS 0
 #endif
 #else
@@ -19,6 +25,14 @@ DEVICE mask load_ints(const int *p) {
   mask v = SPREAD_INT(0);
   for (int i = 0; i < LANES; ++i) LANE_INT(v, i) = p[i];
   return v;
+}
+DEVICE void store_ints(int *p, mask m) {
+  for (int i = 0; i < LANES; ++i) p[i] = LANE_INT(m, i);
+}
+DEVICE mask truncated(real v) {
+  mask m = SPREAD_INT(0);
+  for (int i = 0; i < LANES; ++i) LANE_INT(m, i) = (int)LANE(v, i);
+  return m;
 }
 DEVICE real as_reals(mask m) {
   real v = SPREAD(0);

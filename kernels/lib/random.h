@@ -7,8 +7,8 @@ typedef struct RandomWords {
 } RandomWords;
 
 DEVICE unsigned int product_high(unsigned int a, unsigned int b) {
-#ifdef __OPENCL_C_VERSION__
-  return mul_hi(a, b);
+#ifdef __OPENCL_C_VERSION__ /* PoCL's mul_hi multiplies in four parts */
+  return (unsigned int)(((ulong)a * (ulong)b) >> 32);
 #else
   return (unsigned int)(((unsigned long long)a * b) >> 32);
 #endif

@@ -15,11 +15,23 @@ DEVICE RandomWords photon_words(unsigned int seed, unsigned int pass, unsigned i
   return philox(counter, seed, 0x50686f74u);
 }
 
-/* Evenly on the unit disc, z = 0. */
-DEVICE Vec3 sample_disc(scalar u, scalar v) {
-  const scalar radius = scalar_root(u);
-  return vec3(radius * scalar_cosine(TWO_PI * v), radius * scalar_sine(TWO_PI * v), R(0));
+/* (cos, sin, 0) of v turns, 0 <= v < 1, good to 9e-8: the quadrant first, which is exact, then fits in Chebyshev
+   polynomials over an eighth of a turn either way. The same on every device, and much quicker than a sine that must
+   reduce any argument. */
+DEVICE Vec3 sample_circle(scalar v) {
+  const int quadrant = (int)(R(4) * v + R(0.5));
+  const scalar r = v - R(0.25) * (scalar)quadrant, r2 = r * r;
+  const scalar sine = r * (R(6.28318528784011) +
+                           r2 * (R(-41.34166260181872) + r2 * (R(81.59254820670054) + r2 * R(-75.40184030835883))));
+  const scalar cosine =
+      R(1) + r2 * (R(-19.739208650244166) +
+                   r2 * (R(64.93931617205108) + r2 * (R(-85.44284839440968) + r2 * R(59.22028804138108))));
+  const scalar x = quadrant & 1 ? sine : cosine, y = quadrant & 1 ? cosine : sine;
+  return vec3((quadrant + 1) & 2 ? -x : x, quadrant & 2 ? -y : y, R(0));
 }
+
+/* Evenly on the unit disc, z = 0. */
+DEVICE Vec3 sample_disc(scalar u, scalar v) { return times(sample_circle(v), scalar_root(u)); }
 
 /* Density cos(angle)/pi. */
 DEVICE Vec3 sample_cosine(scalar u, scalar v) {
@@ -32,7 +44,8 @@ DEVICE Vec3 sample_cosine(scalar u, scalar v) {
    nothing but this difference; 2: the whole sphere. */
 DEVICE Vec3 sample_cone(scalar u, scalar v, scalar versine) {
   const scalar down = u * versine, sine = scalar_root(down * (R(2) - down));
-  return vec3(sine * scalar_cosine(TWO_PI * v), sine * scalar_sine(TWO_PI * v), R(1) - down);
+  const Vec3 round = sample_circle(v);
+  return vec3(sine * round.x, sine * round.y, R(1) - down);
 }
 
 /* Barycentric coordinates of the second and third corner, evenly over a triangle. */

@@ -36,9 +36,7 @@ DEVICE Vec3 times(Vec3 a, scalar s) { return vec3(a.x * s, a.y * s, a.z * s); }
 /* a + s b */
 DEVICE Vec3 along(Vec3 a, scalar s, Vec3 b) { return vec3(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z); }
 DEVICE scalar dot3(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-DEVICE Vec3 cross3(Vec3 a, Vec3 b) {
-  return vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-}
+DEVICE Vec3 cross3(Vec3 a, Vec3 b) { return vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x); }
 DEVICE scalar length3(Vec3 a) { return scalar_root(dot3(a, a)); }
 /* The zero vector stays zero. */
 DEVICE Vec3 unit3(Vec3 a) {

@@ -1,129 +1,153 @@
-/* Photons filed by cell: a stable counting sort in two digits, without atomics.
+/* Photons filed by cell: a stable counting sort in two digits, without atomics, that moves each photon once.
 
-   The photons are cut into chunks. Each chunk counts its keys by their high digit (the bucket) in a row of its own; the
-   counts are summed over buckets, then chunks; each chunk then deals its keys out in order. Within a bucket one
-   work-item sorts by the low digit, which leaves the starts of the cells behind. The order is that of the photons
-   before, whatever the number of chunks: equal keys never pass each other.
-   source: Zagha & Blelloch, "Radix sort for vector multiprocessors", Supercomputing '91 (counting by chunk) */
-
-enum SortKey { KEY_CELL = 0, KEY_ID = 1, KEY_BOUNCE = 2 };
-
-typedef struct KeyedPhoton {
-  unsigned int key;
-  unsigned int index; /* of the photon in the record array */
-} KeyedPhoton;
+   The records are cut into chunks that fit a second-level cache. Each chunk deals its photons out by the high digit of
+   their keys, the bucket, into a region of its own: nothing has to be known of other chunks. A bucket is then the sum
+   of one piece of each chunk; one work-item sorts it by the low digit, which leaves the starts of its cells behind, and
+   writes the arrays of the map. The order is that of the photons before, whatever the number of chunks: equal keys
+   never pass each other.
+   source: Zagha & Blelloch, "Radix sort for vector multiprocessors", Supercomputing '91 (counting by chunk)
+   differs: the first digit is dealt within the chunk, so no count of all of them comes before it */
 
 typedef struct SortPlan {
   int photons;
-  int chunk;   /* photons of one work-item */
-  int buckets; /* values of the digit */
-  int shift;   /* bucket = (key >> shift) & digit_mask */
-  unsigned int digit_mask;
-  int key;        /* SortKey */
-  int from_order; /* 1: photons are taken in the order that the pairs stand in; 0: in their own */
+  int chunk; /* photons of one work-item */
+  int chunks;
+  int buckets;
+  int row;   /* counters of a chunk: more than buckets, whole groups of lanes */
+  int shift; /* bucket = cell >> shift */
+  int cells;
 } SortPlan;
 
-DEVICE int bucket_of(const SortPlan *plan, unsigned int key) { return (int)((key >> plan->shift) & plan->digit_mask); }
+/* What the sort has to know of a photon, in half a cache line. */
+typedef struct MovedPhoton {
+  float place_m[3];
+  unsigned int index; /* of its record */
+  unsigned int normal;
+  int cell;
+  float power_W[2]; /* WAVES <= 2; of more wavelengths it stays with the record */
+} MovedPhoton;
 
-/* Key of one photon. Empty slots, and photons that are nowhere, sort behind the last cell and are left out. */
-DEVICE unsigned int sort_key(const SortPlan *plan, const PhotonGrid *grid, const Photon *photon) {
-  if (plan->key == KEY_ID) return photon->id;
-  if (plan->key == KEY_BOUNCE) return PHOTON_BOUNCE(photon->tags);
-  const float sum = photon->place_m[0] + photon->place_m[1] + photon->place_m[2];
-  if (PHOTON_KIND(photon->tags) == PHOTON_NONE || !(sum - sum == 0)) return (unsigned int)grid_cells(grid);
-  return (unsigned int)cell_of(grid, &photon->place_m[0], &photon->place_m[1], &photon->place_m[2]);
+/* In one store: stores that wait for their cache lines are what dealing costs. */
+DEVICE void move_photon(GLOBAL MovedPhoton *to, GLOBAL const Photon *from, int index, int cell, const float *power) {
+#ifdef __OPENCL_C_VERSION__
+  const uint8 words = (uint8)(as_uint(from->place_m[0]), as_uint(from->place_m[1]), as_uint(from->place_m[2]),
+                              (uint)index, from->normal, (uint)cell, as_uint(power[0]), as_uint(power[1]));
+  vstore8(words, 0, (GLOBAL uint *)to);
+#else
+  *to = MovedPhoton{{from->place_m[0], from->place_m[1], from->place_m[2]},
+                    (unsigned)index,
+                    from->normal,
+                    cell,
+                    {power[0], power[1]}};
+#endif
 }
 
-DEVICE int last_of_chunk(const SortPlan *plan, int first) {
-  return first + plan->chunk < plan->photons ? first + plan->chunk : plan->photons;
-}
-
-/* Whether photons stand in the order of (id, bounce), empty slots apart. */
+/* Whether the photons of a chunk stand in the order of (id, bounce), empty slots apart. */
 typedef struct ChunkOrder {
   unsigned int first_id, first_bounce, last_id, last_bounce;
   int photons;
   int unsorted;
 } ChunkOrder;
 
-DEVICE void note_order(ChunkOrder *order, const Photon *photon) {
-  if (PHOTON_KIND(photon->tags) == PHOTON_NONE) return;
-  const unsigned int id = photon->id, bounce = PHOTON_BOUNCE(photon->tags);
+/* What came out. */
+typedef struct Filing {
+  int filed;    /* photons in the map */
+  int unsorted; /* records did not stand in the order of (id, bounce) */
+} Filing;
+
+DEVICE int comes_before(unsigned int id, unsigned int bounce, unsigned int other_id, unsigned int other_bounce) {
+  return id < other_id || (id == other_id && bounce < other_bounce);
+}
+
+DEVICE void note_order(ChunkOrder *order, unsigned int id, unsigned int bounce) {
   if (order->photons == 0) order->first_id = id, order->first_bounce = bounce;
-  else order->unsorted |= id < order->last_id || (id == order->last_id && bounce < order->last_bounce);
+  else order->unsorted |= comes_before(id, bounce, order->last_id, order->last_bounce);
   order->last_id = id, order->last_bounce = bounce;
   ++order->photons;
 }
 
-/* Keys and counts of one chunk. */
-DEVICE ChunkOrder key_chunk(const SortPlan *plan, const PhotonGrid *grid, GLOBAL const Photon *photons,
-                            GLOBAL KeyedPhoton *pairs, GLOBAL int *counts, int chunk) {
-  const int first = chunk * plan->chunk, last = last_of_chunk(plan, first);
+/* Cells of LANES photons, of `left` that there are. Empty slots and photons that are nowhere: plan->cells. */
+DEVICE mask cells_of_photons(const SortPlan *plan, const PhotonGrid *grid, GLOBAL const Photon *photons, int left) {
+  real x, y, z;
+  mask kind;
+  for (int l = 0; l < LANES; ++l) {
+    GLOBAL const Photon *photon = photons + (l < left ? l : 0);
+    LANE(x, l) = photon->place_m[0];
+    LANE(y, l) = photon->place_m[1];
+    LANE(z, l) = photon->place_m[2];
+    LANE_INT(kind, l) = (int)PHOTON_KIND(photon->tags);
+  }
+  const real sum = x + y + z;
+  const mask is_somewhere = (kind != PHOTON_NONE) & (sum - sum == 0);
+  return is_somewhere ? cells_of(grid, x, y, z) : SPREAD_INT(plan->cells);
+}
+
+/* One chunk by bucket. start[row]: where the pieces of the buckets begin in `moved`, and behind the last one its end.
+   While it counts and deals, start[b + 1] is what bucket b has, then where its next photon goes.
+   cells[photons]: room for the cells of the photons. */
+DEVICE ChunkOrder deal_chunk(const SortPlan *plan, const PhotonGrid *grid, GLOBAL const Photon *photons,
+                             GLOBAL const float *power_W, GLOBAL int *cells, GLOBAL MovedPhoton *moved,
+                             GLOBAL int *start, int chunk) {
+  const int first = chunk * plan->chunk;
+  const int last = first + plan->chunk < plan->photons ? first + plan->chunk : plan->photons;
   ChunkOrder order = {0, 0, 0, 0, 0, 0};
-  for (int b = 0; b < plan->buckets; ++b) counts[b] = 0;
+  for (int b = 0; b < plan->row; ++b) start[b] = 0;
+  for (int i = first; i < last; i += LANES) {
+    mask group = cells_of_photons(plan, grid, photons + i, last - i);
+    const int here = last - i < LANES ? last - i : LANES;
+    for (int l = 0; l < here; ++l) {
+      const int cell = LANE_INT(group, l);
+      cells[i + l] = cell;
+      if (cell == plan->cells) continue;
+      ++start[(cell >> plan->shift) + 1];
+      note_order(&order, photons[i + l].id, PHOTON_BOUNCE(photons[i + l].tags));
+    }
+  }
+  int sum = first;
+  start[0] = first;
+  for (int b = 1; b < plan->row; ++b) {
+    const int count = start[b];
+    start[b] = sum;
+    sum += count;
+  }
   for (int i = first; i < last; ++i) {
-    const unsigned int index = plan->from_order ? pairs[i].index : (unsigned int)i;
-    const Photon photon = photons[index];
-    const unsigned int key = sort_key(plan, grid, &photon);
-    note_order(&order, &photon);
-    pairs[i].key = key;
-    pairs[i].index = index;
-    ++counts[bucket_of(plan, key)];
+    const int cell = cells[i];
+    if (cell == plan->cells) continue;
+    const int to = start[(cell >> plan->shift) + 1]++;
+    float power[2] = {0, 0};
+#if WAVES <= 2
+    for (int w = 0; w < WAVES; ++w) power[w] = power_W[i * WAVES + w];
+#endif
+    move_photon(moved + to, photons + i, i, cell, power);
   }
   return order;
 }
 
-/* Counts of one bucket over the chunks -> where each chunk's share starts within it. Returns the bucket's total. */
-DEVICE int scan_chunks(GLOBAL int *counts, int buckets, int chunks, int bucket) {
-  int sum = 0;
-  for (int c = 0; c < chunks; ++c) {
-    const int count = counts[c * buckets + bucket];
-    counts[c * buckets + bucket] = sum;
-    sum += count;
-  }
+/* Photons of LANES buckets in all chunks. */
+DEVICE mask bucket_totals(const SortPlan *plan, GLOBAL const int *starts, int bucket) {
+  mask sum = SPREAD_INT(0);
+  for (int c = 0; c < plan->chunks; ++c)
+    sum += load_ints(starts + c * plan->row + bucket + 1) - load_ints(starts + c * plan->row + bucket);
   return sum;
 }
 
-/* starts: totals of the buckets -> their starts, and the total behind them. */
-DEVICE void scan_buckets(GLOBAL int *starts, int buckets) {
-  int sum = 0;
-  for (int b = 0; b < buckets; ++b) {
-    const int count = starts[b];
-    starts[b] = sum;
-    sum += count;
+/* Totals of the buckets -> where each begins in the map, and the total behind them. */
+DEVICE Filing scan_totals(const SortPlan *plan, GLOBAL const ChunkOrder *orders, GLOBAL int *bucket_start) {
+  Filing filing = {0, 0};
+  for (int b = 0; b < plan->buckets; ++b) {
+    const int count = bucket_start[b];
+    bucket_start[b] = filing.filed;
+    filing.filed += count;
   }
-  starts[buckets] = sum;
-}
-
-DEVICE void deal_chunk(const SortPlan *plan, GLOBAL const KeyedPhoton *pairs, GLOBAL KeyedPhoton *dealt,
-                       GLOBAL const int *bucket_start, GLOBAL int *counts, int chunk) {
-  const int first = chunk * plan->chunk, last = last_of_chunk(plan, first);
-  for (int b = 0; b < plan->buckets; ++b) counts[b] += bucket_start[b];
-  for (int i = first; i < last; ++i) {
-    const KeyedPhoton pair = pairs[i];
-    dealt[counts[bucket_of(plan, pair.key)]++] = pair;
+  bucket_start[plan->buckets] = filing.filed;
+  int before = -1;
+  for (int c = 0; c < plan->chunks; ++c) {
+    if (orders[c].photons == 0) continue;
+    filing.unsorted |= orders[c].unsorted;
+    if (before >= 0)
+      filing.unsorted |=
+          comes_before(orders[c].first_id, orders[c].first_bounce, orders[before].last_id, orders[before].last_bounce);
+    before = c;
   }
-}
-
-/* One bucket by the low digit: order[place in the map] = index of the photon; cell_start of its cells.
-   While it sorts, cell_start[k + 1] is where the next photon of cell k goes; at the end that is the start of k + 1. */
-DEVICE void sort_bucket(const SortPlan *plan, int cells, GLOBAL const KeyedPhoton *dealt,
-                        GLOBAL const int *bucket_start, GLOBAL int *cell_start, GLOBAL unsigned int *order,
-                        int bucket) {
-  const int first = bucket_start[bucket], last = bucket_start[bucket + 1];
-  const int low = bucket << plan->shift, above = (bucket + 1) << plan->shift, high = above < cells ? above : cells;
-  GLOBAL int *next = cell_start + 1;
-  if (bucket == 0) cell_start[0] = 0;
-  for (int k = low; k < high; ++k) next[k] = 0;
-  for (int i = first; i < last; ++i)
-    if ((int)dealt[i].key < cells) ++next[dealt[i].key];
-  int sum = first;
-  for (int k = low; k < high; ++k) {
-    const int count = next[k];
-    next[k] = sum;
-    sum += count;
-  }
-  for (int i = first; i < last; ++i) {
-    const KeyedPhoton pair = dealt[i];
-    if ((int)pair.key < cells) order[next[pair.key]++] = pair.index;
-  }
+  return filing;
 }

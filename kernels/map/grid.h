@@ -24,9 +24,25 @@ DEVICE int grid_row(const PhotonGrid *grid, int y, int z) {
 
 DEVICE int grid_cells(const PhotonGrid *grid) { return grid->cells[0] * grid->cells[1] * grid->cells[2]; }
 
-DEVICE int cell_of(const PhotonGrid *grid, const float *x, const float *y, const float *z) {
-  return grid_row(grid, cell_along(grid, 1, *y), cell_along(grid, 2, *z)) +
-         filed_cell(grid, 0, cell_along(grid, 0, *x));
+/* The same for LANES places at once. */
+DEVICE mask cells_along(const PhotonGrid *grid, int axis, real place_m) {
+  const real t = (place_m - grid->origin_m[axis]) * grid->per_m;
+  const real held = smaller(larger(t, SPREAD(-BEYOND_CELLS)), SPREAD(BEYOND_CELLS));
+  const mask whole = truncated(held);
+  return held < as_reals(whole) ? whole - 1 : whole;
+}
+
+DEVICE mask filed_cells(const PhotonGrid *grid, int axis, mask cell) {
+  if (grid->wrap && axis) return cell & (grid->cells[axis] - 1);
+  const mask above = cell < 0 ? SPREAD_INT(0) : cell, most = SPREAD_INT(grid->cells[axis] - 1);
+  return above < most ? above : most;
+}
+
+DEVICE mask cells_of(const PhotonGrid *grid, real x, real y, real z) {
+  return (filed_cells(grid, 2, cells_along(grid, 2, z)) * grid->cells[1] +
+          filed_cells(grid, 1, cells_along(grid, 1, y))) *
+             grid->cells[0] +
+         filed_cells(grid, 0, cells_along(grid, 0, x));
 }
 
 /* The rows of cells that a ball meets, and the run of photons of the current one. */

@@ -8,25 +8,3 @@ typedef struct PhotonArrays {
   GLOBAL const float *power_W; /* [waves][stride] */
   int stride;
 } PhotonArrays;
-
-/* Photons first .. last - 1 of the map, from their records; zeros from `filled` on. */
-DEVICE void transpose_photons(GLOBAL const Photon *photons, GLOBAL const float *power_W,
-                              GLOBAL const unsigned int *order, GLOBAL float *x_m, GLOBAL float *y_m, GLOBAL float *z_m,
-                              GLOBAL unsigned int *normal, GLOBAL float *wave_power_W, int first, int last, int filled,
-                              int stride) {
-  for (int i = first; i < last; ++i) {
-    if (i < filled) {
-      const unsigned int index = order[i];
-      const Photon photon = photons[index];
-      x_m[i] = photon.place_m[0];
-      y_m[i] = photon.place_m[1];
-      z_m[i] = photon.place_m[2];
-      normal[i] = photon.normal;
-      for (int w = 0; w < WAVES; ++w) wave_power_W[w * stride + i] = power_W[index * WAVES + w];
-    } else {
-      x_m[i] = y_m[i] = z_m[i] = 0;
-      normal[i] = 0;
-      for (int w = 0; w < WAVES; ++w) wave_power_W[w * stride + i] = 0;
-    }
-  }
-}

@@ -16,25 +16,26 @@ typedef struct CoverDisc {
 
 /* The next surface on a segment that is not glass: photons pass through that. */
 DEVICE int find_past_glass(const Geometry *g, GLOBAL const Material *materials, Vec3 from, Vec3 way, SurfaceHit *hit) {
-  Arc arc;
-  arc.place = from;
-  arc.momentum = way;
-  arc.bend = arc.from = R(0);
-  arc.end = R(1);
+  Chain chain;
+  Arc *arc = &chain.arc[0];
+  arc->place = from;
+  arc->momentum = way;
+  arc->bend = arc->lag = arc->start = arc->from = R(0);
+  arc->end = R(1);
+  chain.arcs = 1;
+  chain.end = R(1);
   for (int i = 0; i < 4; ++i) {
-    Nearest nearest;
-    nearest.sigma = arc.end;
-    nearest.primitive = NO_PRIMITIVE;
-    nearest.u = nearest.v = R(0);
-    find_nearest(g, &arc, &nearest);
+    chain.from = arc->from;
+    Nearest nearest = nothing_before(arc->end);
+    find_nearest(g, &chain, &nearest);
     if (nearest.primitive == NO_PRIMITIVE) return 0;
     hit->primitive = nearest.primitive;
     hit->u = nearest.u;
     hit->v = nearest.v;
-    hit->place = place_on(&arc, nearest.sigma);
+    hit->place = place_on(arc, nearest.along);
     const int kind = materials[material_of(g, nearest.primitive)].kind;
     if (kind != MATERIAL_DIELECTRIC && kind != MATERIAL_ROUGH_DIELECTRIC) return 1;
-    arc.from = nearest.sigma * R(1.000001) + R(1e-6);
+    arc->from = nearest.along * R(1.000001) + R(1e-6);
   }
   return 0;
 }

@@ -41,6 +41,7 @@ DEVICE void start_eye_path(const Air *air, const EyeCamera *c, int column, int r
   path->place = vec3(c->place[0], c->place[1], c->place[2]);
   path->row = b->hero;
   path->inside_glass = 0;
+  path->measured = 1;
   const scalar index2 = air_index2(air, b->hero, path->place.z);
   path->momentum = times(d, scalar_root(index2));
   for (int w = 0; w < WAVES; ++w) b->weight[w] *= index2; /* L = n^2 (L/n^2), at the eye */

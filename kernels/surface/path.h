@@ -1,18 +1,18 @@
 /* Paths among surfaces: what a kernel holds of the scene, a path, and where it ends.
 
-   Set by the build: AIR_IS_CURVED 0: the same n everywhere, straight paths, and no curve code is compiled; 1: cells of
-   linear n^2, exact parabolas. */
+   Set by the build: AIR_IS_CURVED 0: the same n everywhere, straight paths, and no curve code is compiled; 1: chains of
+   parabolas. */
 
 #define NO_PRIMITIVE (-1)
 
 enum PathOutcome {
   PATH_SURFACE = 0,
   PATH_ESCAPED = 1, /* left the scene for good */
-  PATH_LIMIT = 2,   /* passed more cells than allowed: caught in a duct without surfaces */
+  PATH_LIMIT = 2,   /* more pieces than allowed: caught in a duct without surfaces */
   PATH_NOT_FINITE = 3,
   PATH_OUTCOMES = 4
 };
-#define MOST_PATH_CELLS 4096
+#define MOST_PATH_ARCS 4096
 
 /* The scene as a kernel holds it. */
 typedef struct Geometry {
@@ -26,7 +26,8 @@ typedef struct Geometry {
 } Geometry;
 
 typedef struct Air {
-  GLOBAL const AirCell *cells; /* [rows][shape.cells] */
+  GLOBAL const AirLayer *layers; /* [shape.layers], upwards */
+  GLOBAL const AirCell *cells;   /* [rows][shape.cells] */
   AirShape shape;
 } Air;
 
@@ -36,6 +37,7 @@ typedef struct Path {
   Vec3 momentum;
   int row;          /* of the air's table: which wavelength */
   int inside_glass; /* 1: the path is straight and its momentum's length is the glass's n */
+  int measured;     /* 1: its length is asked for, though nothing is absorbed on the way */
 } Path;
 
 typedef struct SurfaceHit {
@@ -44,7 +46,7 @@ typedef struct SurfaceHit {
   Vec3 place;          /* on the surface [m] */
   Vec3 normal;         /* unit, the surface's own side (not turned towards the path) */
   Vec3 momentum;       /* n times the direction of arrival: n^2 = dot(momentum, momentum) for basic radiance L/n^2 */
-  scalar path_m;       /* length along the curve */
+  scalar path_m;       /* length along the curve, if measured or needed */
   scalar transmission; /* of power, through the medium on the way */
 } SurfaceHit;
 
@@ -54,3 +56,6 @@ typedef struct SurfaceHit {
       GLOBAL const SurfaceTriangle *triangles, GLOBAL const SurfaceSphere *spheres, const GeometryBounds bounds
 #define GEOMETRY_OF_BUFFERS \
   { boxes, children, blocks, block_ids, triangles, spheres, bounds }
+#define AIR_BUFFERS GLOBAL const AirLayer *air_layers, GLOBAL const AirCell *air_cells, const AirShape air_shape
+#define AIR_OF_BUFFERS \
+  { air_layers, air_cells, air_shape }

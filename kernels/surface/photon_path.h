@@ -122,6 +122,7 @@ DEVICE void start_photon(const Geometry *g, const Air *air, const Looks *looks, 
   path->place = from;
   path->row = b->hero;
   path->inside_glass = 0;
+  path->measured = 0;
   path->momentum = times(direction, scalar_root(air_index2(air, b->hero, from.z)));
 }
 

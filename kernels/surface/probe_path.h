@@ -12,6 +12,7 @@ DEVICE void trace_path(const Geometry *g, const Air *air, PathStart start, PathE
   path.momentum = vec3(start.momentum[0], start.momentum[1], start.momentum[2]);
   path.row = start.row;
   path.inside_glass = start.inside_glass;
+  path.measured = 1;
   SurfaceHit hit;
   hit.normal = vec3(R(0), R(0), R(0));
   hit.u = hit.v = R(0);
@@ -29,16 +30,16 @@ DEVICE void trace_path(const Geometry *g, const Air *air, PathStart start, PathE
 }
 
 DEVICE void find_on_segment(const Geometry *g, Segment segment, SegmentHit *hit) {
-  Arc arc;
-  arc.place = vec3(segment.place[0], segment.place[1], segment.place[2]);
-  arc.momentum = vec3(segment.direction[0], segment.direction[1], segment.direction[2]);
-  arc.bend = arc.from = R(0);
-  arc.end = R(1);
-  Nearest nearest;
-  nearest.sigma = R(1);
-  nearest.primitive = NO_PRIMITIVE;
-  nearest.u = nearest.v = R(0);
-  find_nearest(g, &arc, &nearest);
+  Chain chain;
+  chain.arcs = 1;
+  chain.from = R(0);
+  chain.end = R(1);
+  chain.arc[0].place = vec3(segment.place[0], segment.place[1], segment.place[2]);
+  chain.arc[0].momentum = vec3(segment.direction[0], segment.direction[1], segment.direction[2]);
+  chain.arc[0].bend = chain.arc[0].lag = chain.arc[0].from = chain.arc[0].start = R(0);
+  chain.arc[0].end = R(1);
+  Nearest nearest = nothing_before(R(1));
+  find_nearest(g, &chain, &nearest);
   hit->sigma = nearest.sigma;
   hit->u = nearest.u;
   hit->v = nearest.v;

@@ -9,6 +9,10 @@
 
 #include "surface/path.h"
 
+#include "surface/air.h"
+
+#include "surface/climb.h"
+
 #include "surface/arc.h"
 
 #include "surface/tree.h"

@@ -37,143 +37,172 @@ DEVICE void put_on_surface(const Geometry *g, SurfaceHit *hit) {
   }
 }
 
-/* Looks for a surface on the arc and moves to where it ends. returns: 1 if a surface was met */
-DEVICE int follow_arc(const Geometry *g, const Arc *arc, SurfaceHit *hit) {
-  Nearest nearest;
-  nearest.sigma = arc->end;
-  nearest.primitive = NO_PRIMITIVE;
-  nearest.u = nearest.v = R(0);
-  find_nearest(g, arc, &nearest);
+#if AIR_IS_CURVED
+/* ds = |p| dsigma along the first `part` of an arc by Gauss's rule of two points. */
+DEVICE scalar arc_length(const Arc *arc, scalar part) {
+  const Vec3 first = momentum_on(arc, R(0.211324865405187) * part),
+             second = momentum_on(arc, R(0.788675134594813) * part);
+  return R(0.5) * part * (length3(first) + length3(second));
+}
+#endif
+
+/* Looks for a surface on the chain. returns: 1 if one was met; else hit is where the chain ends */
+DEVICE int follow_chain(const Geometry *g, const Chain *chain, int measured, SurfaceHit *hit) {
+  Nearest nearest = nothing_before(chain->end);
+  find_nearest(g, chain, &nearest);
+  const int is_met = nearest.primitive != NO_PRIMITIVE, number = is_met ? nearest.arc : chain->arcs - 1;
+  const Arc *arc = &chain->arc[number];
+  const scalar part = is_met ? nearest.along : arc->end;
   hit->primitive = nearest.primitive;
   hit->u = nearest.u;
   hit->v = nearest.v;
-  hit->place = place_on(arc, nearest.sigma);
-  hit->momentum = momentum_on(arc, nearest.sigma);
+  hit->place = place_on(arc, part);
+  hit->momentum = momentum_on(arc, part);
 #if AIR_IS_CURVED
-  /* ds = |p| dsigma by Simpson's rule. */
-  const scalar middle = length3(momentum_on(arc, R(0.5) * nearest.sigma));
-  hit->path_m += nearest.sigma * (length3(arc->momentum) + R(4) * middle + length3(hit->momentum)) * R(1.0 / 6);
+  if (measured) {
+    for (int i = 0; i < number; ++i)
+      hit->path_m += arc_length(&chain->arc[i], chain->arc[i + 1].start - chain->arc[i].start);
+    hit->path_m += arc_length(arc, part);
+  }
+  const scalar t = part / arc->end;
+  hit->momentum.z += arc->lag * (R(1) - R(6) * t * (R(1) - t));
 #else
-  hit->path_m += nearest.sigma * length3(arc->momentum);
+  (void)measured;
+  hit->path_m += part * length3(arc->momentum);
 #endif
-  return nearest.primitive != NO_PRIMITIVE;
+  return is_met;
 }
 
 DEVICE int follow_straight(const Geometry *g, const Path *path, SurfaceHit *hit) {
-  Arc arc;
-  arc.place = path->place;
-  arc.momentum = path->momentum;
-  arc.bend = arc.from = R(0);
-  arc.end = R(4) *
-            (length3(minus(vec3(g->bounds.high[0], g->bounds.high[1], g->bounds.high[2]),
-                           vec3(g->bounds.low[0], g->bounds.low[1], g->bounds.low[2]))) +
-             length3(minus(path->place, vec3(g->bounds.low[0], g->bounds.low[1], g->bounds.low[2])))) /
-            length3(path->momentum);
-  return follow_arc(g, &arc, hit) ? PATH_SURFACE : PATH_ESCAPED;
+  Chain chain;
+  Arc *arc = &chain.arc[0];
+  arc->place = path->place;
+  arc->momentum = path->momentum;
+  arc->bend = arc->lag = arc->start = arc->from = R(0);
+  arc->end = R(4) *
+             (length3(minus(vec3(g->bounds.high[0], g->bounds.high[1], g->bounds.high[2]),
+                            vec3(g->bounds.low[0], g->bounds.low[1], g->bounds.low[2]))) +
+              length3(minus(path->place, vec3(g->bounds.low[0], g->bounds.low[1], g->bounds.low[2])))) /
+             length3(path->momentum);
+  chain.arcs = 1;
+  chain.from = R(0);
+  chain.end = arc->end;
+  return follow_chain(g, &chain, 1, hit) ? PATH_SURFACE : PATH_ESCAPED;
 }
 
 #if AIR_IS_CURVED
 #define HALF_METRE R(0.5)
 
-/* The cell that holds a height. */
-DEVICE int find_air_cell(GLOBAL const AirCell *row, int cells, scalar height_m) {
-  int low = 0, high = cells - 1;
-  while (low < high) {
-    const int middle = (low + high + 1) / 2;
-    if (row[middle].bottom_m <= height_m) low = middle;
-    else high = middle - 1;
+/* A path on its way through the layers. */
+typedef struct Way {
+  Climb climb;
+  AirSlab slab;
+  int row, layer;
+  int stalls; /* edges reached one after the other without moving */
+  int arcs;   /* so far */
+} Way;
+
+DEVICE void enter_layer(const Air *air, int layer, Way *way) {
+  way->layer = layer;
+  if (layer < 0 || layer >= air->shape.layers) return;
+  way->slab = air_slab(air, way->row, layer);
+  way->climb.lift = lift_at(&way->slab, way->climb.z);
+}
+
+/* Above (below) the scene in the endless uppermost (lowest) layer, or beyond it, for good. */
+DEVICE int gone_for_good(const GeometryBounds *b, const Air *air, const Way *way) {
+  const int layers = air->shape.layers;
+  if (way->layer < 0 || way->layer >= layers) return 1;
+  return (way->layer == layers - 1 && way->climb.p >= R(0) && way->climb.z > b->high[2]) ||
+         (way->layer == 0 && way->climb.p <= R(0) && way->climb.z < b->low[2]);
+}
+
+/* Adds the next arc, `most` long at most. */
+DEVICE void add_arc(const Geometry *g, const Air *air, Vec3 place, Vec3 momentum, scalar start, scalar most, Way *way,
+                    Chain *chain) {
+  /* The endless layers end just outside the scene. */
+  const scalar z = way->climb.z, p = way->climb.p,
+               top = way->layer < air->shape.layers - 1 ? way->slab.top_m
+                                                        : scalar_larger(z, g->bounds.high[2]) + HALF_METRE;
+  const scalar bottom = way->layer > 0 ? way->slab.layer.bottom_m : scalar_smaller(z, g->bounds.low[2]) - HALF_METRE;
+  Arc *arc = &chain->arc[chain->arcs];
+  arc->start = start;
+  arc->place = vec3(place.x + start * momentum.x, place.y + start * momentum.y, z);
+  arc->momentum = momentum;
+  int step = 0;
+  if (way->stalls < 2) {
+    const Rise r = next_rise(&way->slab, bottom, top, most, way->climb);
+    way->climb = r.end;
+    step = r.step;
+    arc->end = r.sigma;
+    arc->momentum.z = r.rise;
+    arc->bend = r.bend;
+  } else { /* caught on the edge of two layers that both bend towards it: along it */
+    arc->end = scalar_smaller(most, way->slab.layer.level_step);
+    arc->momentum.z = arc->bend = way->climb.p = R(0);
   }
-  return low;
+  arc->lag = p - arc->momentum.z;
+  ++way->arcs;
+  way->stalls = step != 0 && !(arc->end > R(0)) ? way->stalls + 1 : 0;
+  if (arc->end > R(0)) ++chain->arcs;
+  if (step != 0) enter_layer(air, way->layer + step, way);
 }
 
-typedef struct CellExit {
-  scalar sigma;
-  scalar momentum_z; /* there */
-  int step;          /* +1: through the top, -1: through the bottom, 0: never */
-} CellExit;
-
-/* When z reaches an edge: rise [m] to the top (>= 0) and to the bottom (<= 0); bend sigma^2 + p sigma = rise. A path
-   that turns before one edge leaves by the other. No cancellation: 2 rise/(p + root) where both have the same sign. */
-DEVICE CellExit leave_cell(scalar p, scalar bend, scalar to_top, scalar to_bottom) {
-  CellExit e;
-  const int up = p > R(0) || (p == R(0) && bend > R(0));
-  const scalar ahead = up ? to_top : to_bottom, behind = up ? to_bottom : to_top;
-  const scalar sign = up ? R(1) : R(-1), speed = sign * p;
-  const scalar reaches = speed * speed + R(4) * bend * ahead;
-  if (p == R(0) && bend == R(0)) {
-    e.sigma = HUGE_BOX_M;
-    e.momentum_z = R(0);
-    e.step = 0;
-  } else if (reaches >= R(0)) {
-    const scalar there = scalar_root(reaches), sum = speed + there;
-    e.sigma = sum > R(0) ? R(2) * sign * ahead / sum : R(0); /* at rest on the edge, pushed through it */
-    e.momentum_z = sign * there;
-    e.step = up ? 1 : -1;
-  } else {
-    const scalar there = scalar_root(speed * speed + R(4) * bend * behind);
-    e.sigma = (speed + there) / (R(-2) * sign * bend);
-    e.momentum_z = -sign * there;
-    e.step = up ? -1 : 1;
+/* The path's next arcs from `place`, up to where it leaves the scene, or until they are so bent that a search for all
+   of them would look in too many places. returns: 1 if the path goes on behind them */
+DEVICE int next_chain(const Geometry *g, const Air *air, Vec3 place, Vec3 momentum, Way *way, Chain *chain) {
+  const scalar overlap = g->bounds.dilation_m / length3(momentum);
+  const scalar span = sigma_in_scene(&g->bounds, place, momentum) + overlap;
+  scalar start = R(0);
+  int goes_on = 1;
+  chain->arcs = 0;
+  chain->from = way->arcs == 0 ? R(0) : -overlap;
+  while (chain->arcs < CHAIN_ARCS && way->arcs < MOST_PATH_ARCS) {
+    if (start >= span || gone_for_good(&g->bounds, air, way)) {
+      goes_on = 0;
+      break;
+    }
+    const int before = chain->arcs;
+    add_arc(g, air, place, momentum, start, span - start, way, chain);
+    if (chain->arcs == before) continue;
+    start += chain->arc[before].end;
+    const scalar off = way->climb.z - place.z - momentum.z * start;
+    if (scalar_magnitude(off) > R(4) * air->shape.longest_sag_m) break;
   }
-  return e;
+  /* Arcs overlap by the rounding of their ends, so that no surface slips through between them. */
+  for (int i = 0; i < chain->arcs; ++i) {
+    chain->arc[i].from = i == 0 ? chain->from : -overlap;
+    chain->arc[i].end = chain->arc[i].end * R(1.000001) + overlap;
+  }
+  chain->length = start;
+  chain->end = start * R(1.000001) + overlap;
+  return goes_on;
 }
 
-/* Beyond the sides of the scene and moving away, or above (below) it in the endless uppermost (lowest) cell. */
-DEVICE int gone_for_good(const GeometryBounds *b, const SurfaceHit *at, int cell, int cells) {
-  if (sigma_in_scene(b, at->place, at->momentum) < R(0) || cell < 0 || cell >= cells) return 1;
-  return (cell == cells - 1 && at->momentum.z >= R(0) && at->place.z > b->high[2]) ||
-         (cell == 0 && at->momentum.z <= R(0) && at->place.z < b->low[2]);
-}
-
-/* From cell to cell; `hit` carries place, momentum and length on the way. */
-DEVICE int follow_cells(const Geometry *g, const Air *air, const Path *path, SurfaceHit *hit) {
-  const int cells = air->shape.cells;
-  GLOBAL const AirCell *row = air->cells + path->row * cells;
-  int cell = find_air_cell(row, cells, path->place.z);
-  for (int i = 0; i < MOST_PATH_CELLS; ++i) {
-    if (gone_for_good(&g->bounds, hit, cell, cells)) return PATH_ESCAPED;
-    Arc arc;
-    arc.place = hit->place;
-    arc.momentum = hit->momentum;
-    arc.bend = row[cell].bend;
-    /* The endless cells end just outside the scene. */
-    const scalar top =
-        cell < cells - 1 ? row[cell + 1].bottom_m : scalar_larger(arc.place.z, g->bounds.high[2]) + HALF_METRE;
-    const scalar bottom = cell > 0 ? row[cell].bottom_m : scalar_smaller(arc.place.z, g->bounds.low[2]) - HALF_METRE;
-    const CellExit leaving = leave_cell(arc.momentum.z, arc.bend, top - arc.place.z, bottom - arc.place.z);
-    /* Pieces overlap by the rounding of their ends, so that no surface slips through between them. */
-    const scalar overlap = g->bounds.dilation_m / length3(arc.momentum);
-    scalar end = scalar_smaller(leaving.sigma, sigma_in_scene(&g->bounds, arc.place, arc.momentum) + overlap);
-    if (arc.bend != R(0))
-      end = scalar_smaller(end, R(2) * scalar_root(air->shape.longest_sag_m / scalar_magnitude(arc.bend)));
-    arc.from = i == 0 ? R(0) : -overlap;
-    arc.end = end * R(1.000001) + overlap;
-    const scalar before = hit->path_m;
-    if (follow_arc(g, &arc, hit)) return PATH_SURFACE;
-    hit->path_m = before + (hit->path_m - before) * (end / arc.end);
-    hit->place = place_on(&arc, end);
-    hit->momentum = momentum_on(&arc, end);
-    if (end < leaving.sigma) continue;
-    hit->place.z = leaving.step > 0 ? top : bottom;
-    hit->momentum.z = leaving.momentum_z;
-    cell += leaving.step;
+/* From chain to chain. */
+DEVICE int follow_curve(const Geometry *g, const Air *air, const Path *path, SurfaceHit *hit) {
+  Way way;
+  way.climb.z = path->place.z;
+  way.climb.p = path->momentum.z;
+  way.row = path->row;
+  way.stalls = way.arcs = 0;
+  enter_layer(air, find_air_layer(air, path->place.z), &way);
+  const int measured = path->measured || air->shape.extinction_per_m != R(0);
+  Vec3 place = path->place, momentum = path->momentum;
+  while (way.arcs < MOST_PATH_ARCS) {
+    Chain chain;
+    const int goes_on = next_chain(g, air, place, momentum, &way, &chain);
+    if (chain.arcs > 0 && follow_chain(g, &chain, measured, hit)) return PATH_SURFACE;
+    if (!goes_on) return PATH_ESCAPED;
+    if (chain.arcs == 0) continue;
+    place = along(place, chain.length, momentum);
+    place.z = way.climb.z;
+    momentum.z = way.climb.p;
   }
   return PATH_LIMIT;
 }
 
 #endif
-
-/* n^2 of the medium at a height, for wavelength `row`. */
-DEVICE scalar air_index2(const Air *air, int row, scalar height_m) {
-#if AIR_IS_CURVED
-  GLOBAL const AirCell *cells = air->cells + row * air->shape.cells;
-  const AirCell cell = cells[find_air_cell(cells, air->shape.cells, height_m)];
-  return cell.index2 + (cell.bend != R(0) ? R(4) * cell.bend * (height_m - cell.bottom_m) : R(0));
-#else
-  (void)height_m;
-  return air->cells[row * air->shape.cells].index2;
-#endif
-}
 
 /* Follows a path until it meets a surface or is gone.
    returns: PathOutcome; `hit` is whole only for PATH_SURFACE, else place, momentum and path_m say where it was left
@@ -189,7 +218,7 @@ DEVICE int trace_to_surface(const Geometry *g, const Air *air, const Path *path,
   if (!(all - all == R(0))) return PATH_NOT_FINITE;
   if (!has_surfaces(&g->bounds)) return PATH_ESCAPED;
 #if AIR_IS_CURVED
-  const int outcome = path->inside_glass ? follow_straight(g, path, hit) : follow_cells(g, air, path, hit);
+  const int outcome = path->inside_glass ? follow_straight(g, path, hit) : follow_curve(g, air, path, hit);
 #else
   const int outcome = follow_straight(g, path, hit);
 #endif

@@ -222,10 +222,11 @@ void expect_the_native_closed_form_is_the_devices(const Json &results) {
 // error tolerance: 1 % of the picture's own RMS, a few samples on the Sun's edge that fall on its other side
 void expect_pictures_like_those_of_their_rays(const Json &results) {
   const std::vector<Json> pictures = chosen(results, "suite", "images");
-  ASSERT_EQ(pictures.size(), 2u);
+  ASSERT_EQ(pictures.size(), 3u);
   for (const Json &r : pictures) EXPECT_LT(r.at("error").get<double>(), 0.01) << r.at("variant");
   EXPECT_EQ(pictures[0].at("solver"), "transfer table");
   EXPECT_EQ(pictures[1].at("solver"), "per pixel");
+  EXPECT_EQ(pictures[2].at("solver"), "per pixel, steps");
 }
 
 // oracle: a case's first record of a method is its own measure; twice the wavelengths are twice the rays

@@ -126,19 +126,21 @@ inline BruteForce brute_force(const Surfaces &scene, const Triple &place, const 
 /// A scene on the host twin, one float at a time; owns the arrays that the kernels' structs point into.
 struct TwinScene {
   SurfaceTree tree;
+  std::vector<surface32::AirLayer> layers;
   std::vector<surface32::AirCell> cells;
   surface32::AirShape shape;
 
   TwinScene(const Surfaces &surfaces, const AirTable &air, double longest_sag_m = 0.2)
       : tree(build_surface_tree(surfaces, 1)),
+        layers(air.narrowed_layers()),
         cells(air.narrowed()),
-        shape{static_cast<int>(air.cells), static_cast<float>(air.extinction_per_m), static_cast<float>(longest_sag_m),
-              0} {}
+        shape{static_cast<int>(air.layers.size()), static_cast<int>(air.cells),
+              static_cast<float>(air.extinction_per_m), static_cast<float>(longest_sag_m)} {}
   surface32::Geometry geometry() const {
     return {tree.boxes.data(),     tree.children.data(), tree.blocks.data(), tree.block_ids.data(),
             tree.triangles.data(), tree.spheres.data(),  tree.bounds};
   }
-  surface32::Air air() const { return {cells.data(), shape}; }
+  surface32::Air air() const { return {layers.data(), cells.data(), shape}; }
   surface32::PathEnd trace(const surface32::PathStart &start) const {
     surface32::PathEnd end{};
     const surface32::Geometry g = geometry();

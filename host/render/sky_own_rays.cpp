@@ -1,0 +1,65 @@
+#include "render/sky_own_rays.hpp"
+
+namespace greenray {
+namespace {
+
+struct RowSums {
+  std::vector<float> spectra, moments;
+  SkySums view() const { return {spectra, moments}; }
+};
+
+/// Apparent elevations of one sample of each pixel of the view's first row, and their azimuths.
+struct RowOfSight {
+  std::vector<double> elevations_rad;
+  std::vector<float> azimuths_rad;
+};
+
+RowOfSight row_of_sight(const f32::SkyView &v, int sample) {
+  RowOfSight row;
+  for (int column = 0; column < v.width; ++column) {
+    float x, y;
+    f32::sample_place(&v, v.first_column + column, v.first_row, sample, &x, &y);
+    const f32::SkyDirection d = f32::view_direction(&v, x, y);
+    row.elevations_rad.push_back(static_cast<double>(d.elevation_rad));
+    row.azimuths_rad.push_back(d.azimuth_rad);
+  }
+  row.elevations_rad.push_back(row.elevations_rad.back());  // look-up reads one entry further
+  return row;
+}
+
+void add_sample(SkyRays &rays, const SkyLight &light, const f32::SkyView &v, int sample, RowSums &sums) {
+  const RowOfSight row = row_of_sight(v, sample);
+  TransferTable own = trace_elevations(rays, row.elevations_rad);
+  own.rays = for_all_wavelengths(own.rays, own.wavelengths, light.air.size());
+  own.wavelengths = light.air.size();
+  const int waves = static_cast<int>(light.air.size());
+  const SkyTable sky = make_sky_table(light, own, waves);
+  for (int column = 0; column < v.width; ++column) {
+    float band = 0;
+    for (int w = 0; w < waves; ++w) {
+      const float radiance = f32::sky_radiance(&v, sky.values.data(), sky.limb.data(), waves, w, column, 0,
+                                               row.azimuths_rad[static_cast<std::size_t>(column)]);
+      sums.spectra[static_cast<std::size_t>(column * waves + w)] += radiance;
+      band += radiance;
+    }
+    sums.moments[static_cast<std::size_t>(2 * column)] += band;
+    sums.moments[static_cast<std::size_t>(2 * column + 1)] += band * band;
+  }
+}
+
+}  // namespace
+
+void shade_with_own_rays(SkyRays &rays, const SkyLight &light, f32::SkyView view, const RenderPlan &plan,
+                         SkyPicture &picture, const std::function<void(double)> &progress) {
+  view.rows = 1;
+  const auto width = static_cast<std::size_t>(picture.width());
+  for (int row = 0; row < picture.height(); ++row) {
+    view.first_row = plan.crop[1] + row;
+    RowSums sums{std::vector<float>(width * light.air.size()), std::vector<float>(width * 2)};
+    for (int sample = 0; sample < plan.spp; ++sample) add_sample(rays, light, view, sample, sums);
+    picture.keep(sums.view(), row, 1, plan.spp);
+    progress(static_cast<double>(row + 1) / picture.height());
+  }
+}
+
+}  // namespace greenray

@@ -1,0 +1,14 @@
+// For comparison with the transfer table: every sample of every pixel traces rays of its own.
+#pragma once
+#include "render/sky.hpp"
+#include "render/sky_picture.hpp"
+#include "render/sky_rays.hpp"
+
+namespace greenray {
+
+/// Fills the picture row by row: rays on the device, then the kernel's own shading text on the host. view.rows and
+/// view.first_row are set here. progress: called with the fraction done.
+void shade_with_own_rays(SkyRays &rays, const SkyLight &light, f32::SkyView view, const RenderPlan &plan,
+                         SkyPicture &picture, const std::function<void(double)> &progress);
+
+}  // namespace greenray
