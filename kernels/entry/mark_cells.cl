@@ -20,15 +20,14 @@
 
 #include "surface/projection.h"
 
-__kernel void mark_cells(GEOMETRY_BUFFERS, __global const AirCell *air_cells, const AirShape air_shape, LOOKS_BUFFERS,
-                         __global const LightProjection *projections, __global int *counts,
-                         const PhotonSettings settings, const int samples) {
+__kernel void mark_cells(GEOMETRY_BUFFERS, AIR_BUFFERS, LOOKS_BUFFERS, __global const LightProjection *projections,
+                         __global int *counts, const PhotonSettings settings, const int samples) {
   const int item = (int)get_global_id(0), light = item >> PROJECTION_BITS;
   if (light >= settings.lights) return;
   const Geometry geometry = GEOMETRY_OF_BUFFERS;
-  const Air air = {air_cells, air_shape};
+  const Air air = AIR_OF_BUFFERS;
   const Looks looks = LOOKS_OF_BUFFERS;
   const LightProjection projection = projections[light];
-  counts[item] = count_specular(&geometry, &air, &looks, &settings, &projection, light,
-                                item & (PROJECTION_CELLS - 1), samples);
+  counts[item] =
+      count_specular(&geometry, &air, &looks, &settings, &projection, light, item & (PROJECTION_CELLS - 1), samples);
 }

@@ -20,15 +20,14 @@
 
 #include "surface/projection.h"
 
-__kernel void trace_caustics(GEOMETRY_BUFFERS, __global const AirCell *air_cells, const AirShape air_shape,
-                             LOOKS_BUFFERS, __global const LightProjection *projected, __global const int *cells,
-                             __global const float *weights, __global Photon *records, __global float *power,
-                             __global ChunkTally *tallies, const PhotonSettings settings) {
+__kernel void trace_caustics(GEOMETRY_BUFFERS, AIR_BUFFERS, LOOKS_BUFFERS, __global const LightProjection *projected,
+                             __global const int *cells, __global const float *weights, __global Photon *records,
+                             __global float *power, __global ChunkTally *tallies, const PhotonSettings settings) {
   const int item = (int)get_global_id(0);
   const unsigned int begin = (unsigned int)item * (unsigned int)settings.chunk;
   if (begin >= settings.photons) return;
   const Geometry geometry = GEOMETRY_OF_BUFFERS;
-  const Air air = {air_cells, air_shape};
+  const Air air = AIR_OF_BUFFERS;
   const Looks looks = LOOKS_OF_BUFFERS;
   const Projections projections = {projected, cells, weights};
   const size_t slot = (size_t)item * (size_t)settings.slots;
@@ -41,7 +40,8 @@ __kernel void trace_caustics(GEOMETRY_BUFFERS, __global const AirCell *air_cells
   clear_tally(&tally);
   const unsigned int end = min(begin + (unsigned int)settings.chunk, settings.photons);
   for (unsigned int i = begin; i < end; ++i)
-    ++tally.outcome[follow_caustic(&geometry, &air, &looks, &projections, &settings, settings.first + i, &store, &tally)];
+    ++tally.outcome[follow_caustic(&geometry, &air, &looks, &projections, &settings, settings.first + i, &store,
+                                   &tally)];
   clear_rest(&store, &tally);
   tallies[item] = tally;
 }
