@@ -19,7 +19,7 @@ constexpr Limits index_height{0, 1e7, "m"};
 constexpr Limits temperature{100, 2000, "K"};
 constexpr Limits temperature_change{-2000, 2000, "K"};
 constexpr Limits pressure{0, 1e7, "Pa", true};
-constexpr Limits thickness{0, 1e5, "m", true};
+constexpr Limits thickness{thinnest_layer_m, 1e5, "m"};
 constexpr Limits distance{-1e9, 1e9, "m"};
 
 const std::vector<std::string> us76_names{"us76", "ussa1976", "us_standard_1976"};
@@ -32,8 +32,8 @@ bool is_us76(const std::string &name) {
 template <class Row>
 void check_ascending(const std::vector<TomlTable> &tables, const std::vector<Row> &rows) {
   for (std::size_t i = 1; i < rows.size(); ++i)
-    if (!(rows[i].height_m > rows[i - 1].height_m))
-      tables[i].complain("height_m", "expected heights to ascend from row to row, found " +
+    if (!(rows[i].height_m >= rows[i - 1].height_m + closest_levels_m))
+      tables[i].complain("height_m", "expected heights to ascend from row to row by 0.0005 m or more, found " +
                                          exact_decimal(rows[i].height_m) + " m after " +
                                          exact_decimal(rows[i - 1].height_m) + " m");
 }
@@ -110,7 +110,8 @@ void read_ramp(const TomlTable &row, InversionSpec &inversion) {
   const bool right = row.read("from_m", from_m, air_height) & row.read("to_m", to_m, air_height) &
                      row.read("rise_K", rise_K, temperature_change);
   if (!all || !right) return;
-  if (!(to_m > from_m)) return row.complain("to_m", "expected a height above from_m, " + exact_decimal(from_m) + " m");
+  if (!(to_m >= from_m + 4 * thinnest_layer_m))
+    return row.complain("to_m", "expected a height 0.004 m or more above from_m, " + exact_decimal(from_m) + " m");
   inversion.delta_T_K = rise_K;
   inversion.height_m = 0.5 * (from_m + to_m);
   inversion.diffuseness_m = 0.25 * (to_m - from_m);

@@ -21,6 +21,9 @@ struct AlongSurface {
   double constant() const { return value.front(); }
 };
 
+/// Thinner layers are refused: real air smooths them away, and a table of them could not keep its errors.
+inline constexpr double thinnest_layer_m = 1e-3, closest_levels_m = 5e-4;
+
 /// One row of air. Heights are geometric metres above the surface.
 struct Level {
   double height_m = 0;

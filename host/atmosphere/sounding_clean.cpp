@@ -88,7 +88,7 @@ bool repeats(const Source &source, const RawLevel &row, const Below &below) {
   const std::string higher =
       "a height above the " + (heights ? number_text(*below.height_m) : "") + " m of the level before" + where;
   if (heights && rise_m < 0) source.fail(row.line, row.height_column, higher, number_text(*row.height_m) + " m", hint);
-  const bool same_height = heights && rise_m == 0, same_pressure = pressures && fall_Pa == 0;
+  const bool same_height = heights && rise_m < closest_levels_m, same_pressure = pressures && fall_Pa == 0;
   if (!same_height && !same_pressure) return false;
   const double scale_m = dry_air_J_kg_K * below.temperature_K / gravity_m_s2;
   if (same_pressure && rise_m > printed_step_Pa / *row.pressure_Pa * scale_m)

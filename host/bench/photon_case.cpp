@@ -41,6 +41,31 @@ GatherPoint in_patch(std::mt19937 &engine) {
   return {{static_cast<float>(x), static_cast<float>(size_m[1]), static_cast<float>(z)}, inward(1, true)};
 }
 
+/// A cardioid's arc on the wall y = 4 m, as light in a cup draws it, bright at its cusp.
+GatherPoint on_caustic(std::mt19937 &engine) {
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::normal_distribution<double> off(0, 0.002);
+  const double angle = (2 * unit(engine) - 1) * std::acos(-1.0), size = 0.5 * (1 - std::cos(angle));
+  const double x = 3 + size * std::cos(angle) + off(engine), z = 1.5 + size * std::sin(angle) + off(engine);
+  return {{static_cast<float>(x), static_cast<float>(size_m[1]), static_cast<float>(z)}, inward(1, true)};
+}
+
+GatherPoint in_air(std::mt19937 &engine) {
+  std::uniform_real_distribution<double> unit(0, 1);
+  GatherPoint at{};
+  for (std::size_t k = 0; k < 3; ++k) at.place_m[k] = static_cast<float>(size_m[k] * unit(engine));
+  at.normal = inward(1, true);
+  return at;
+}
+
+GatherPoint landing(Light light, std::mt19937 &engine, double area_m2) {
+  std::uniform_real_distribution<float> unit(0, 1);
+  if (light == Light::volume) return in_air(engine);
+  if (light == Light::lit && unit(engine) < 0.3f) return in_patch(engine);
+  if (light == Light::caustic && unit(engine) < 0.6f) return on_caustic(engine);
+  return on_wall(engine, area_m2);
+}
+
 /// Where a ray from inside leaves the box.
 GatherPoint seen(const std::array<double, 3> &eye, const std::array<double, 3> &direction) {
   double nearest = 1e30;
@@ -67,17 +92,21 @@ float distance2(const Photon &p, const GatherPoint &q) {
 
 }  // namespace
 
-PhotonCase photon_case(bool lit, std::size_t photons, int width, int height) {
+PhotonCase photon_case(Light light, std::size_t photons, int width, int height) {
   PhotonCase c;
-  c.name = lit ? "lit-room" : "even-room";
+  c.name = std::array{"even-room", "lit-room", "caustic", "volume"}[static_cast<std::size_t>(light)];
+  double area_m2 = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     c.room.high_m[k] = size_m[k];
-    c.area_m2 += 2 * size_m[(k + 1) % 3] * size_m[(k + 2) % 3];
+    area_m2 += 2 * size_m[(k + 1) % 3] * size_m[(k + 2) % 3];
   }
+  const double share = 150 / static_cast<double>(photons), pi = std::acos(-1.0);
+  c.radius_m = light == Light::volume ? std::cbrt(share * size_m[0] * size_m[1] * size_m[2] * 3 / (4 * pi))
+                                      : std::sqrt(share * area_m2 / pi);
   std::mt19937 engine(20040601);
   std::uniform_real_distribution<float> unit(0, 1);
   for (std::size_t i = 0; i < photons; ++i) {
-    const GatherPoint at = lit && unit(engine) < 0.3f ? in_patch(engine) : on_wall(engine, c.area_m2);
+    const GatherPoint at = landing(light, engine, area_m2);
     Photon p{};
     std::copy(at.place_m, at.place_m + 3, p.place_m);
     p.normal = at.normal;
@@ -87,12 +116,20 @@ PhotonCase photon_case(bool lit, std::size_t photons, int width, int height) {
     c.power_W.push_back(0.1f + 0.9f * unit(engine));
   }
   const std::array<double, 3> eye{3.1, 0.4, 1.6};
+  const double view = light == Light::caustic ? 0.3 : 1.5;  // of the caustic, its cusp
   for (int tile_y = 0; tile_y < height; tile_y += 8)
     for (int tile_x = 0; tile_x < width; tile_x += 8)
       for (int y = tile_y; y < std::min(tile_y + 8, height); ++y)
         for (int x = tile_x; x < std::min(tile_x + 8, width); ++x)
           c.points.push_back(
-              seen(eye, {(x + 0.5 - 0.5 * width) * 1.5 / width, 1, (0.5 * height - y - 0.5) * 1.5 / width}));
+              seen(eye, {(x + 0.5 - 0.5 * width) * view / width, 1, (0.5 * height - y - 0.5) * view / width}));
+  if (light != Light::volume) return c;
+  for (std::size_t i = 0; i < c.points.size(); ++i)  // a quarter to three quarters of the way
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float way = 0.25f + 0.5f * static_cast<float>(i / 64 % 97) / 96;
+      const float from = static_cast<float>(eye[k]);
+      c.points[i].place_m[k] = from + way * (c.points[i].place_m[k] - from);
+    }
   return c;
 }
 

@@ -1,4 +1,4 @@
-// Photons on the walls of a room, and the places on them that a camera inside sees.
+// Photons in a room, on its walls or in its air, and places that ask for them.
 #pragma once
 #include <string>
 #include <vector>
@@ -7,18 +7,21 @@
 
 namespace greenray::bench {
 
+/// even: on all walls with the same density. lit: three photons in ten lie in a bright patch of 1 m^2 with soft edges.
+/// caustic: six in ten lie along a cusped line on one wall, 4 mm wide. volume: anywhere in the air.
+enum class Light { even, lit, caustic, volume };
+
 /// One wavelength, powers that differ by a factor of ten.
 struct PhotonCase {
   std::string name;
   std::vector<Photon> photons;  // in the order of their emission
   std::vector<float> power_W;
-  std::vector<GatherPoint> points;  // in tiles of 8 x 8 pixels
+  std::vector<GatherPoint> points;  // in tiles of 8 x 8 pixels; volume: in places along lines of sight
   Bounds room;
-  double area_m2 = 0;
+  double radius_m = 0;  // of what holds 150 photons on average, were they spread evenly
 };
 
-/// even: the same density everywhere. lit: three photons in ten lie in a bright patch of 1 m^2 with soft edges.
-PhotonCase photon_case(bool lit, std::size_t photons, int width, int height);
+PhotonCase photon_case(Light light, std::size_t photons, int width, int height);
 
 /// Irradiance by Epanechnikov's kernel and count, in double over all photons; distances in float, as ours and peers'.
 struct BruteForce {

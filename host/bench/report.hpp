@@ -25,6 +25,9 @@ std::vector<Figure> growth_figures(const Results &results);
 /// RMS error against seconds of whole pictures.
 std::vector<Figure> image_figures(const Results &results);
 
+/// The same of rooms: true error, and the error claimed.
+std::vector<Figure> room_figures(const Results &results);
+
 /// The whole page, UTF-8. The same results give the same bytes.
 std::string as_html(const Results &results);
 

@@ -232,4 +232,37 @@ std::vector<Figure> image_figures(const Results &results) {
   return figures;
 }
 
+std::vector<Figure> room_figures(const Results &results) {
+  std::vector<Figure> figures;
+  const auto all = chosen(results, [](const Record &r) { return r.suite == "scenes" && r.more.count("claimed_rms"); });
+  for (const std::string &name : distinct(all, [](const Record &r) { return r.case_name; })) {
+    const auto records = chosen(results, [&](const Record &r) {
+      return r.suite == "scenes" && r.case_name == name && r.more.count("claimed_rms");
+    });
+    if (records.size() < 2) continue;
+    Figure figure = figure_of(records, [](const Record &r) { return r.wall_seconds; });
+    PlotPanel &panel = figure.plot.panels.front();
+    PlotLine claimed = panel.lines.back();
+    claimed.name = "claimed by the picture itself", claimed.width = 0, claimed.colour = faded(claimed.colour);
+    claimed.x.clear(), claimed.y.clear(), claimed.notes.clear();
+    for (const Record *r : records) {
+      claimed.x.push_back(r->wall_seconds), claimed.y.push_back(r->number("claimed_rms"));
+      claimed.notes.push_back(r->variant + ": claims " + short_number(r->number("claimed_rms")));
+    }
+    panel.lines.push_back(claimed);
+    figure.legend.push_back(claimed);
+    panel.x = {"time of the whole picture", "s", true};
+    panel.y = {"RMS error, relative to the mean", "", true};
+    widen(panel.x, column(panel, &PlotLine::x));
+    widen(panel.y, column(panel, &PlotLine::y));
+    figure.plot.id = "rooms" + std::to_string(figures.size());
+    figure.plot.title = name + ": error against time";
+    figure.plot.subtitle = short_number(records.front()->number("pixels")) +
+                           "pixels; each point a number of photons; further left and further down is better";
+    figure.plot.panel_height = 320;
+    figures.push_back(figure);
+  }
+  return figures;
+}
+
 }  // namespace greenray::bench

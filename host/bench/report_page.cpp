@@ -254,6 +254,7 @@ std::string as_html(const Results &results) {
   html += section("Rays: error against speed", how_curves_are_read, work_precision_figures(results));
   html += section("Growth", "", growth_figures(results));
   html += section("Whole pictures", "", image_figures(results));
+  html += section("Rooms", "What a given error costs: read the seconds off the curve.", room_figures(results));
   html += machine(results) + record_table(results);
   return html + "<p class=\"soft\">" + escaped(results.summary) + "</p>\n</main>\n</body>\n</html>\n";
 }

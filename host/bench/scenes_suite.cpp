@@ -95,6 +95,7 @@ std::vector<Record> run_scenes_suite(const SuiteOptions &options) {
     records.push_back(record_of(name, pictures, *device));
     if (options.done) options.done(records.back());
   }
+  for (Record &record : run_rooms(options, device)) records.push_back(std::move(record));
   return records;
 }
 

@@ -167,7 +167,7 @@ std::vector<double> Arguments::list(const std::string &flag, double low, double 
     if (steps > static_cast<double>(most)) fail(flag, "expected at most 10000000 values");
     parts.clear();
     for (double k = 0; k <= steps; ++k) {
-      const double value = from + k * step;
+      const double value = step > 0 ? std::min(from + k * step, to) : std::max(from + k * step, to);
       parts.push_back(std::abs(value) < std::abs(step) * 1e-9 ? 0.0 : value);
     }
   }

@@ -114,6 +114,8 @@ std::string summary_of(const Results &results) {
   for (const Record &r : results.records)
     if (r.suite == "images" && r.kind.solver == "transfer table" && r.number("samples_per_pixel") == 1)
       text << " | " << r.case_name << " " << r.wall_seconds << " s";
+    else if (r.suite == "scenes" && r.more.count("claimed_rms"))
+      text << " | " << r.case_name << "@" << 100 * r.error << "% " << r.wall_seconds << " s";
     else if (r.suite == "scenes" || r.suite == "eye") text << " | " << r.case_name << " " << r.wall_seconds << " s";
   text << " | +-" << std::setprecision(2) << 100 * spread << " %";
   if (results.contended) text << " | contended: do not publish";

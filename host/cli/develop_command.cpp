@@ -90,24 +90,71 @@ Developed develop_human(vision::HumanEye &eye, const vision::EyeOptions &options
   return {vision::report_json(report, options), said.str()};
 }
 
-Developed develop_camera_view(const fs::path &in, const SourceOptions &source, const Arguments &a, const fs::path &out,
-                              AtomicFileSet &files) {
-  const std::unique_ptr<PictureSource> picture = open_picture(in, {source.unit_cd_m2, false});
-  const bool is_exr = fs::path(in).extension() != ".hdr" && fs::path(in).extension() != ".pic";
-  const RgbImage scene = is_exr && !source.unit_cd_m2 ? read_exr(in).rgb() : read_rgb(*picture);
-  const auto ev = a.optional_number("--exposure", -60, 60, "EV");
+/// Rows of a picture as scene-linear Rec. 709: as the file has them where it fits in memory, else read when needed.
+class SceneRows {
+ public:
+  SceneRows(const fs::path &in, const SourceOptions &source, std::size_t memory_bytes)
+      : picture_(open_picture(in, {source.unit_cd_m2, false})) {
+    const std::size_t needed = 4 * 3 * sizeof(float) * picture_->facts().pixels();
+    if (needed > memory_bytes) return;
+    const bool is_exr = in.extension() != ".hdr" && in.extension() != ".pic";
+    whole_ = is_exr && !source.unit_cd_m2 ? read_exr(in).rgb() : read_rgb(*picture_);
+  }
+  const PictureFacts &facts() const { return picture_->facts(); }
+  bool in_memory() const { return !whole_.rgb.empty(); }
+
+  /// work(first row, rows, rgb) for pieces of the picture, on all cores.
+  template <class Work>
+  void for_rows(Work &&work) {
+    const auto width = static_cast<std::size_t>(facts().width);
+    for_pieces(static_cast<std::size_t>(facts().height), 64, host_threads(), [&](std::size_t from, std::size_t to) {
+      const int first = static_cast<int>(from), rows = static_cast<int>(to - from);
+      if (in_memory()) return work(first, rows, whole_.rgb.data() + 3 * width * from);
+      const std::vector<float> rgb = read_rgb_rows(*picture_, first, rows);
+      work(first, rows, rgb.data());
+    });
+  }
+
+ private:
+  std::unique_ptr<PictureSource> picture_;
+  RgbImage whole_;
+};
+
+Developed develop_camera_view(SceneRows &scene, const Arguments &a, const fs::path &out, AtomicFileSet &files) {
+  const PictureFacts &facts = scene.facts();
+  const auto width = static_cast<std::size_t>(facts.width);
+  const CameraOptions options{a.optional_number("--exposure", -60, 60, "EV"), bits_of(a), true};
+  ExposureKey key;
+  do scene.for_rows([&](int, int rows, const float *rgb) { key.look(rgb, width * static_cast<std::size_t>(rows)); });
+  while (key.again());
   CameraReport report;
-  const RgbImage display = camera_display(scene, {ev, bits_of(a), true}, report);
+  report.key_cd_m2 = key.cd_m2();
   AtomicFile &file = files.add(out);
-  if (out.extension() == ".exr") write_exr(file, display);
-  else write_png(file, quantise(display, bits_of(a)));
-  warn(picture->facts(), {0, 0, 0, 0});
+  // a picture in memory becomes the very bytes that `render` writes
+  const bool as_rendered = scene.in_memory() && out.extension() == ".png";
+  RgbImage whole;
+  const auto sink =
+      as_rendered ? memory_sink(whole, facts.width, facts.height) : display_sink(file, out, facts, bits_of(a), 1);
+  std::mutex lock;
+  scene.for_rows([&](int first, int rows, const float *rgb) {
+    const std::size_t count = width * static_cast<std::size_t>(rows);
+    std::vector<float> display(3 * count);
+    CameraReport here;
+    here.key_cd_m2 = key.cd_m2();
+    camera_rows(options, here, rgb, count, display.data());
+    sink->put(first, rows, std::move(display));
+    const std::lock_guard<std::mutex> guard(lock);
+    report.gamut_moved += here.gamut_moved, report.replaced += here.replaced, report.exposure_ev = here.exposure_ev;
+  });
+  sink->finish();
+  if (as_rendered) write_png(file, quantise(whole, bits_of(a)));
+  warn(facts, {0, 0, 0, 0});
   std::ostringstream said;
   said << "  (key " << report.key_cd_m2 << " cd/m2, " << report.gamut_moved << " pixels brought into gamut)";
   return {{{"observer", "camera"},
            {"key_cd_m2", report.key_cd_m2},
            {"exposure_ev", report.exposure_ev},
-           {"pixels", {{"total", scene.pixels()}, {"gamut_moved", report.gamut_moved}, {"replaced", report.replaced}}}},
+           {"pixels", {{"total", facts.pixels()}, {"gamut_moved", report.gamut_moved}, {"replaced", report.replaced}}}},
           said.str()};
 }
 
@@ -232,7 +279,8 @@ int develop(const Arguments &a) {
     Developed done;
     try {
       if (observer == "camera") {
-        done = develop_camera_view(a.positional()[i], source, a, out, files);
+        SceneRows scene(a.positional()[i], source, options.memory_bytes);
+        done = develop_camera_view(scene, a, out, files);
       } else {
         const std::unique_ptr<PictureSource> picture = open_picture(a.positional()[i], source);
         done = observer == "human" ? develop_human(eye, options, *picture, a, out, map, files)

@@ -90,7 +90,8 @@ int run(const Arguments &a) {
   if (table.rows_over_tolerance > 0 && !a.has("--quiet"))
     std::cerr << "warning: " << table.rows_over_tolerance << " of " << table.rows.size()
               << " rows may be off by more than the tolerance (at most " << table.error_arcsec
-              << " arcsec): try --precision double, or expect it near folds\n";
+              << " arcsec): " << (request.precision == Precision::double_ ? "" : "try --precision double, or ")
+              << "expect it near folds\n";
   if (table.table_bound_arcsec > request.tolerance_arcsec && !a.has("--quiet"))
     std::cerr << "warning: a layer of this air is too thin for the index table: rays that graze it may be off by "
               << table.table_bound_arcsec << " arcsec, more than the tolerance\n";

@@ -31,13 +31,16 @@ GatherSettings gather_settings(double radius_m, double flatness, double facing_d
 
 struct PhotonGather::State {
   State(std::shared_ptr<Device> d, int waves_asked, const GatherOptions &o)
-      : owner(std::move(d)), device(owner->state()), waves(waves_asked), options(o) {
+      : owner(std::move(d)), device(owner->state()), waves(waves_asked), options(o) {}
+
+  /// with_sides: see kernels/map/gather.h; a ball that takes every side costs half of what others do.
+  cl::Kernel make_kernel(const char *name, bool with_sides) {
     BuildPlan plan{"gather", device.lanes.lanes_float};
-    plan.words = " -DWAVES=" + std::to_string(waves) + " -DGATHER_KERNEL=" + std::to_string(o.kernel) +
-                 " -DWITH_SPREAD=" + (o.with_spread ? "1" : "0") +
-                 " -DPOINTS_PER_ITEM=" + std::to_string(o.points_per_item) +
+    plan.words = " -DWAVES=" + std::to_string(waves) + " -DGATHER_KERNEL=" + std::to_string(options.kernel) +
+                 " -DWITH_SPREAD=" + (options.with_spread ? "1" : "0") + " -DWITH_SIDES=" + (with_sides ? "1" : "0") +
+                 " -DPOINTS_PER_ITEM=" + std::to_string(options.points_per_item) +
                  " -DNEAR_GROUPS=" + std::to_string(device.lanes.lanes_float > 1 ? listed_groups : 0);
-    program = build_program(device, plan);
+    return {build_program(device, plan), name};
   }
 
   void set_points(std::span<const GatherPoint> asked) {
@@ -58,13 +61,14 @@ struct PhotonGather::State {
     if (!points) throw RunError("a gather was asked before it was given places");
     PhotonMap::State &m = map.state();
     if (map.waves() != waves) throw RunError("a gather of other wavelengths than the photon map has");
-    const bool warm = kernels.count(name);
-    const auto begin = std::chrono::steady_clock::now();
+    const std::pair<std::string, bool> kind{name, settings.squash != 0 || settings.facing > -1.5f};
+    const bool warm = kernels.count(kind);
     try {
-      cl::Kernel &kernel = warm ? kernels[name] : (kernels[name] = cl::Kernel(program, name));
+      cl::Kernel &kernel = warm ? kernels[kind] : (kernels[kind] = make_kernel(name, kind.second));
+      const auto begin = std::chrono::steady_clock::now();
       cl_uint argument = 0;
       for (const cl::Buffer &buffer :
-           {m.cell_start->cl(), m.x_m.cl(), m.y_m.cl(), m.z_m.cl(), m.normal.cl(), m.power_W.cl()})
+           {m.cell_start->cl(), m.sub_start.cl(), m.x_m.cl(), m.y_m.cl(), m.z_m.cl(), m.normal.cl(), m.power_W.cl()})
         kernel.setArg(argument++, buffer);
       kernel.setArg(argument++, static_cast<cl_int>(m.stride));
       kernel.setArg(argument++, m.grid);
@@ -96,8 +100,7 @@ struct PhotonGather::State {
   Device::State &device;
   int waves;
   GatherOptions options;
-  cl::Program program;
-  std::map<std::string, cl::Kernel> kernels;
+  std::map<std::pair<std::string, bool>, cl::Kernel> kernels;  // by name and with_sides
   std::size_t count = 0;
   std::optional<Buffer<GatherPoint>> points;
   std::optional<Buffer<float>> irradiance, radius_m;

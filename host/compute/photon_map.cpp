@@ -27,6 +27,7 @@ PhotonMap::State::State(std::shared_ptr<Device> d, const PhotonMapOptions &o)
       record_power_W(device, room(o.photons) * static_cast<std::size_t>(o.waves), "the power of photons"),
       moved(device, room(o.photons), "photons that are filed"),
       order(device, room(o.photons), "the order of photons"),
+      sub_start(device, room(o.photons), "the cells of the photon map"),
       x_m(device, static_cast<std::size_t>(stride), "the photon map"),
       y_m(device, static_cast<std::size_t>(stride), "the photon map"),
       z_m(device, static_cast<std::size_t>(stride), "the photon map"),
@@ -113,11 +114,12 @@ void PhotonMap::State::build(std::size_t count, const Bounds &bounds, double cel
     bound("scan_buckets", {&chunk_order, &bucket_start, &filing}).setArg(3, plan);
     launch("scan_buckets", 1);
 
-    cl::Kernel &file =
-        bound("file_photons", {&photons, &power, &moved.cl(), &starts, &bucket_start, &filing, &cell_start->cl(),
-                               &x_m.cl(), &y_m.cl(), &z_m.cl(), &normal.cl(), &power_W.cl(), &order.cl()});
-    file.setArg(13, stride);
-    file.setArg(14, plan);
+    cl::Kernel &file = bound(
+        "file_photons", {&photons, &power, &moved.cl(), &starts, &bucket_start, &filing, &cell_start->cl(),
+                         &sub_start.cl(), &x_m.cl(), &y_m.cl(), &z_m.cl(), &normal.cl(), &power_W.cl(), &order.cl()});
+    file.setArg(14, stride);
+    file.setArg(15, plan);
+    file.setArg(16, grid);
     launch("file_photons", static_cast<std::size_t>(plan.buckets));
   } catch (const cl::Error &error) {
     throw_failed_call(error, "filing photons", device.info.name);
@@ -158,7 +160,7 @@ int PhotonMap::waves() const { return state_->options.waves; }
 const Device &PhotonMap::device() const { return *state_->owner; }
 
 std::size_t PhotonMap::bytes_per_photon(int waves) {
-  return sizeof(Photon) + sizeof(MovedPhoton) + 5 * sizeof(float) + 2 * sizeof(float) * static_cast<std::size_t>(waves);
+  return sizeof(Photon) + sizeof(MovedPhoton) + 6 * sizeof(float) + 2 * sizeof(float) * static_cast<std::size_t>(waves);
 }
 
 PhotonMap::Contents PhotonMap::read() const {

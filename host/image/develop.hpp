@@ -1,6 +1,7 @@
 // The camera view: exposure, a filmic curve that keeps hue, the sRGB gamut. (The eye lives in host/vision.)
 #pragma once
 #include <cstddef>
+#include <memory>
 #include <optional>
 
 #include "image/png.hpp"
@@ -33,6 +34,26 @@ struct CameraPicture {
    stops darker still glows.
    Deterministic; a pixel depends on its own value and the key only. */
 RgbImage camera_display(const RgbImage &scene, const CameraOptions &options, CameraReport &report);
+
+/* The key of a picture that is looked at in pieces: the same value as from the whole. Every piece is shown to look(),
+   then, as long as again() says so, all of them once more. Safe to call from several threads. */
+class ExposureKey {
+ public:
+  ExposureKey();
+  ~ExposureKey();
+  void look(const float *rgb, std::size_t pixels);
+  /// After all pieces: whether another look is needed.
+  bool again();
+  double cd_m2() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// camera_display() of some pixels, given the key in the report, whose counts grow.
+void camera_rows(const CameraOptions &options, CameraReport &report, const float *scene, std::size_t pixels,
+                 float *display);
 
 /// The same, encoded: see quantise().
 CameraPicture develop_camera(const RgbImage &scene, const CameraOptions &options = {});

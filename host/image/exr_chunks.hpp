@@ -11,7 +11,8 @@ namespace greenray {
    same time, and floats are copied whole, where the C++ library takes them byte by byte and one reader at a time. */
 class ExrChunks {
  public:
-  /// returns: nothing where the part is tiled or deep, or the file is not to this library's liking
+  /// returns: nothing where the part is tiled, deep, or compressed by B44 or DWA, or the file is not to this library's
+  /// liking
   static std::unique_ptr<ExrChunks> open(const std::filesystem::path &path);
   ~ExrChunks();
 

@@ -101,22 +101,31 @@ std::unique_ptr<PictureSource> open_picture(const fs::path &path, const SourceOp
   throw InputError(place, "not a readable EXR file (nor a Radiance picture): its first bytes are of another kind");
 }
 
+std::vector<float> read_rgb_rows(PictureSource &source, int first, int rows) {
+  const PictureFacts &facts = source.facts();
+  const SpectralWeights weights =
+      facts.wavelength_nm.size() > 1 ? spectral_weights(facts.wavelength_nm) : SpectralWeights{};
+  std::vector<float> planes;
+  source.read(first, rows, planes);
+  const std::size_t count = static_cast<std::size_t>(rows) * static_cast<std::size_t>(facts.width);
+  std::vector<float> rgb(3 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Rgb colour = facts.spectral()
+                           ? rgb_of_spectrum(weights, planes, count, i)
+                           : rgb_from_xyz({static_cast<double>(planes[i]), static_cast<double>(planes[count + i]),
+                                           static_cast<double>(planes[2 * count + i])});
+    for (std::size_t c = 0; c < 3; ++c) rgb[3 * i + c] = static_cast<float>(colour[c]);
+  }
+  return rgb;
+}
+
 RgbImage read_rgb(PictureSource &source) {
   const PictureFacts &facts = source.facts();
   RgbImage image{facts.width, facts.height, std::vector<float>(3 * facts.pixels())};
-  const SpectralWeights weights =
-      facts.wavelength_nm.size() > 1 ? spectral_weights(facts.wavelength_nm) : SpectralWeights{};
   for_pieces(static_cast<std::size_t>(facts.height), 64, host_threads(), [&](std::size_t first, std::size_t last) {
-    std::vector<float> planes;
-    source.read(static_cast<int>(first), static_cast<int>(last - first), planes);
-    const std::size_t count = (last - first) * static_cast<std::size_t>(facts.width);
-    const std::size_t begin = first * static_cast<std::size_t>(facts.width);
-    for (std::size_t i = 0; i < count; ++i) {
-      if (facts.spectral()) image.set_pixel(begin + i, rgb_of_spectrum(weights, planes, count, i));
-      else
-        image.set_pixel(begin + i, rgb_from_xyz({static_cast<double>(planes[i]), static_cast<double>(planes[count + i]),
-                                                 static_cast<double>(planes[2 * count + i])}));
-    }
+    const std::vector<float> rgb = read_rgb_rows(source, static_cast<int>(first), static_cast<int>(last - first));
+    std::copy(rgb.begin(), rgb.end(),
+              image.rgb.begin() + static_cast<std::ptrdiff_t>(3 * first * static_cast<std::size_t>(facts.width)));
   });
   return image;
 }

@@ -55,8 +55,9 @@ std::unique_ptr<PictureSource> open_radiance(const std::filesystem::path &path, 
 std::unique_ptr<PictureSource> picture_source(const RgbImage &rec709_cd_m2, std::optional<double> fov_deg);
 std::unique_ptr<PictureSource> picture_source(const SpectralImage &image, std::optional<double> fov_deg);
 
-/// The whole picture, linear Rec. 709.
+/// The whole picture, or some rows of it [rows][width][3], linear Rec. 709.
 RgbImage read_rgb(PictureSource &source);
+std::vector<float> read_rgb_rows(PictureSource &source, int first, int rows);
 
 using Matrix3 = std::array<std::array<double, 3>, 3>;
 /// XYZ of RGB by primaries and white (x, y of R, G, B, white); (1,1,1) has Y = 1. InputError-free: NaN if they are

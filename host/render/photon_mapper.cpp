@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 
+#include "render/lit_photons.hpp"
 #include "render/pixel_statistics.hpp"
 #include "render/radius_field.hpp"
 #include "support/error.hpp"
@@ -97,9 +99,14 @@ struct PhotonMapper::State {
   }
 
   void ask(Side &side, std::size_t first, std::span<const GatherPoint> places, PassIrradiance &sum) {
+    if (lit && &side == &diffuse) return lit->ask(places, options.most_radius_m, sum);
     const auto begin = side.radius_m.begin() + static_cast<std::ptrdiff_t>(first);
     std::vector<float> radius_m(begin, begin + static_cast<std::ptrdiff_t>(places.size()));
     for (float &r : radius_m) r *= static_cast<float>(ratio);
+    estimate(side, places, radius_m, sum);
+  }
+
+  void estimate(Side &side, std::span<const GatherPoint> places, std::span<const float> radius_m, PassIrradiance &sum) {
     gather.within(side.map, settings(), radius_m);
     const GatherAnswers answers = gather.read();
     std::vector<GatherCover> covers(places.size());
@@ -115,6 +122,49 @@ struct PhotonMapper::State {
     }
   }
 
+  /// Every so many photons of the diffuse map get the irradiance of this pass, from radii of their own.
+  void light_photons() {
+    if (options.precomputed <= 0 || lit_pass == pass) return;
+    const PhotonMap::Contents c = diffuse.map.read();
+    std::vector<GatherPoint> all;
+    for (std::size_t i = 0; i < c.x_m.size(); i += static_cast<std::size_t>(options.precomputed))
+      all.push_back({{c.x_m[i], c.y_m[i], c.z_m[i]}, c.normal[i]});
+    PassIrradiance light = blank(all.size());
+    double middle_m = 0;
+    for (std::size_t first = 0; first < all.size(); first += lit_at_once) {
+      const std::span<const GatherPoint> part =
+          std::span(all).subspan(first, std::min(lit_at_once, all.size() - first));
+      PassIrradiance here = blank(part.size());
+      gather.set_points(part);
+      Side &side = diffuse;
+      search(side, side.middle_m > 0 ? side.middle_m : first_radius_m(side, side.records));
+      std::vector<float> radius_m;
+      for (const Gathered &g : gather.read().gathered)
+        radius_m.push_back((1 - 3e-7f) * g.radius_m * static_cast<float>(ratio));
+      if (first == 0) middle_m = median(radius_m);
+      estimate(side, part, radius_m, here);
+      const auto at = [&](auto &values, std::size_t each) {
+        return values.begin() + static_cast<std::ptrdiff_t>(first * each);
+      };
+      std::copy(here.irradiance.begin(), here.irradiance.end(),
+                at(light.irradiance, static_cast<std::size_t>(options.waves)));
+      std::copy(here.narrower.begin(), here.narrower.end(), at(light.narrower, 1));
+      std::copy(here.variance.begin(), here.variance.end(), at(light.variance, 1));
+      std::copy(here.photons.begin(), here.photons.end(), at(light.photons, 1));
+    }
+    lit.emplace(device, options.waves);
+    const double photons_within = std::max(1.0, ratio * ratio * std::max(diffuse.nearest, 1));
+    lit->file(all, light, options.bounds, std::max(middle_m, 1e-9) * std::sqrt(options.precomputed / photons_within));
+    lit_pass = pass;
+  }
+
+  PassIrradiance blank(std::size_t places) const {
+    PassIrradiance sum;
+    sum.irradiance.resize(places * static_cast<std::size_t>(options.waves));
+    sum.narrower.resize(places), sum.variance.resize(places), sum.photons.resize(places);
+    return sum;
+  }
+
   template <class F>
   void each_side(const F &f) {
     f(diffuse);
@@ -126,6 +176,9 @@ struct PhotonMapper::State {
   PhotonGather gather;
   Side diffuse;
   std::unique_ptr<Side> caustic;
+  static constexpr std::size_t lit_at_once = std::size_t{1} << 18;
+  std::optional<LitPhotons> lit;
+  int lit_pass = -1;
   int pass = -1;  // filed
   double ratio = 1;
 };
@@ -177,11 +230,10 @@ void PhotonMapper::keep_radii(std::span<const std::size_t> places) {
 PassIrradiance PhotonMapper::ask(std::size_t first, std::span<const GatherPoint> places) {
   State &s = *state_;
   if (s.pass < 0) throw RunError("a gather before any photons were filed");
-  PassIrradiance sum;
-  sum.irradiance.resize(places.size() * static_cast<std::size_t>(s.options.waves));
-  sum.narrower.resize(places.size()), sum.variance.resize(places.size()), sum.photons.resize(places.size());
+  PassIrradiance sum = s.blank(places.size());
   if (places.empty()) return sum;
   const double begin = now(), compiled = s.device->compile_seconds();
+  s.light_photons();
   s.gather.set_points(places);
   s.each_side([&](State::Side &side) {
     if (side.radius_m.size() < first + places.size())

@@ -28,6 +28,9 @@ struct PhotonMapperOptions {
   GatherKernel kernel = GATHER_EPANECHNIKOV;
   double flatness = 0.25, facing_deg = 60;
   double alpha = 2.0 / 3;  // of the shrinking radius
+  /// Of the diffuse map, every so many photons are given the irradiance there, and places take the nearest one's; 0:
+  /// places ask all photons around (render/lit_photons.hpp).
+  int precomputed = 0;
   int local_size = 0;
   /// For gather(): places are a picture, [rows][columns][samples]. columns 0: they are not, and radii are left as
   /// found.

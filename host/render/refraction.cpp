@@ -82,11 +82,23 @@ double difference_arcsec(const f64::RayEnd &a, const f64::RayEnd &b) {
   return a.outcome == b.outcome ? to_arcsec(std::abs(a.bending_rad - b.bending_rad)) : 1e9;
 }
 
-double worst_difference(const std::vector<f64::RayEnd> &kept, const std::vector<f64::RayEnd> &check) {
-  double worst = 0;
+/// An error bound for each ray [arcsec]. both_settings_arcsec: what kept and check may have in common.
+std::vector<double> error_bounds(const std::vector<f64::RayEnd> &kept, const Check &check,
+                                 double both_settings_arcsec) {
+  std::vector<double> bounds;
   for (std::size_t i = 0; i < kept.size(); ++i)
-    if (kept[i].outcome == f64::RAY_SPACE) worst = std::max(worst, difference_arcsec(kept[i], check[i]));
-  return worst;
+    bounds.push_back(1.5 * difference_arcsec(kept[i], check.rays[i]) + check.stretch[i] * both_settings_arcsec);
+  return bounds;
+}
+
+/// Are all rays to space good enough, those beside a fold or an edge left out?
+bool within(double tolerance_arcsec, const std::vector<double> &bounds, const std::vector<f64::RayEnd> &kept,
+            const Check &check) {
+  constexpr double beside_a_fold = 100;  // |dR/da|
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    if (kept[i].outcome == f64::RAY_SPACE && check.stretch[i] < beside_a_fold && bounds[i] > tolerance_arcsec)
+      return false;
+  return true;
 }
 
 RefractionRow make_row(const RefractionRequest &request, std::size_t i, const f64::RayEnd &end, double curvature_per_m,
@@ -131,8 +143,9 @@ RefractionTable refraction_table(const Profile &profile, const RefractionRequest
   const bool check_in_double = single && device->info().has_double;
   std::vector<double> elevations_rad;
   for (double altitude : request.altitudes_deg) elevations_rad.push_back(to_rad(altitude));
-  double tolerance = request.tolerance_arcsec, both_settings_arcsec = 0;
+  double tolerance = request.tolerance_arcsec;
   Traced kept;
+  std::vector<double> bounds;
   Check check;
   for (int attempt = 0; attempt < 4; ++attempt) {
     const Setting fine = setting_for(tolerance / 8, request.precision);
@@ -140,10 +153,11 @@ RefractionTable refraction_table(const Profile &profile, const RefractionRequest
     if (check_in_double) other = setting_for(tolerance / 64, Precision::double_);
     kept = trace_with(fine, profile, request, elevations_rad, device);
     check = check_with(other, profile, request, elevations_rad, device);
-    both_settings_arcsec = common_error_arcsec(std::min(fine.table_arcsec, other.table_arcsec), profile, request);
+    const double table_arcsec = std::min(fine.table_arcsec, other.table_arcsec);
+    bounds = error_bounds(kept.ends, check, common_error_arcsec(table_arcsec, profile, request));
     stop_if_asked();
     const bool at_the_floor = fine.table_arcsec <= (single ? 1e-4 : 1e-8) && fine.step_rad <= (single ? 1e-10 : 1e-14);
-    if (worst_difference(kept.ends, check.rays) <= request.tolerance_arcsec || at_the_floor) break;
+    if (at_the_floor || within(request.tolerance_arcsec, bounds, kept.ends, check)) break;
     tolerance /= 10;
   }
 
@@ -156,7 +170,9 @@ RefractionTable refraction_table(const Profile &profile, const RefractionRequest
   for (std::size_t i = 0; i < kept.ends.size(); ++i) {
     RefractionRow row = make_row(request, i, kept.ends[i], curvature, zenith);
     row.max_height_m = std::min(row.max_height_m, std::max(profile.top_m(request.flat), request.height_m));
-    row.error_arcsec = 1.5 * difference_arcsec(kept.ends[i], check.rays[i]) + check.stretch[i] * both_settings_arcsec;
+    row.error_arcsec = bounds[i];
+    if (request.height_m >= profile.top_m(request.flat) && row.turning_points == 0 && row.outcome == f64::RAY_SPACE)
+      row.ground_distance_m = 0;  // in space from the first
     if (row.outcome == f64::RAY_SPACE) {
       result.error_arcsec = std::max(result.error_arcsec, row.error_arcsec);
       result.rows_over_tolerance += row.error_arcsec > request.tolerance_arcsec;

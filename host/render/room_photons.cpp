@@ -137,6 +137,7 @@ void RoomPhotons::make_mapper(const RoomPlan &plan) {
   PhotonMapperOptions o;
   o.waves = static_cast<int>(looks_.waves());
   const std::array<std::size_t, 2> records = records_for(plan);
+  o.precomputed = scene_.photons.precomputed;
   o.diffuse_photons = records[0], o.caustic_photons = records[1];
   for (std::size_t a = 0; a < 3; ++a) {
     o.bounds.low_m[a] = static_cast<double>(bounds_.low[a]);

@@ -26,7 +26,7 @@ struct Interval {
 double misfit(const Transfer &a, const Transfer &middle, const Transfer &b, double width_rad, double tolerance_rad) {
   if (a.outcome != middle.outcome || b.outcome != middle.outcome) return 1e9;
   if (middle.outcome == f64::RAY_TRAPPED) return 0;
-  const double stretch = std::max(1.0, std::abs((b.bending_rad - a.bending_rad) / width_rad));
+  const double stretch = std::max(1.0, std::abs(1 - (b.bending_rad - a.bending_rad) / width_rad));
   double worst = std::abs(0.5 * (a.bending_rad + b.bending_rad) - middle.bending_rad) / tolerance_rad;
   const auto relative = [&](double x, double y, double z) {
     if (y > 0) worst = std::max(worst, std::abs(0.5 * (x + z) - y) / (y * relative_tolerance));

@@ -113,6 +113,7 @@ void read_photons(const TomlTable &table, PhotonScene &photons) {
   table.read("radius_m", photons.radius_m, {0, 1e6, "m", true});
   table.read("max_bounces", photons.most_bounces, {0, 60000, "bounces"});
   table.read("aimed", photons.aimed);
+  table.read("precomputed", photons.precomputed, {0, 1000, "photons"});
   table.read("caustic_share", photons.caustic_share, {0.01, 0.9});
 }
 

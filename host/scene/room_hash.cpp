@@ -90,7 +90,7 @@ std::string room_hash(const RoomScene &scene) {
   }
   print.add(static_cast<double>(scene.photons.emitted)), print.add(scene.photons.gather);
   print.add(scene.photons.radius_m.value_or(-1)), print.add(scene.photons.most_bounces);
-  print.add(scene.photons.aimed), print.add(scene.photons.caustic_share);
+  print.add(scene.photons.precomputed), print.add(scene.photons.aimed), print.add(scene.photons.caustic_share);
   print.add_all(scene.spectrum.range_nm), print.add(scene.spectrum.samples);
   return print.hex();
 }

@@ -69,6 +69,7 @@ struct PhotonScene {
   std::optional<double> radius_m;  // of the estimate instead
   int most_bounces = 64;
   bool aimed = true;           // caustic photons go where glass and mirrors are (projection maps), if it pays
+  int precomputed = 0;         // irradiance is found at every so many photons beforehand; 0: where the eye asks
   double caustic_share = 0.3;  // of all photons, when they are
 };
 

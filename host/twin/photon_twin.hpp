@@ -35,3 +35,5 @@ namespace greenray::photon_twin {
 #undef SCALAR_MATH
 #undef TWO_PI
 #undef BEYOND_CELLS
+#undef SUB
+#undef DENSE

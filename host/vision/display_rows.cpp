@@ -166,9 +166,16 @@ struct ChromaLines {
       lab[r] = ok.lab_of_roots[r][0] * roots[0] + ok.lab_of_roots[r][1] * roots[1] + ok.lab_of_roots[r][2] * roots[2];
     const float first = rgb[0][i] > rgb[1][i] ? rgb[0][i] : rgb[1][i],
                 strongest = first > rgb[2][i] ? first : rgb[2][i];
-    line.base[i] = grey_to_aim_at(lab[0], std::sqrt(lab[1] * lab[1] + lab[2] * lab[2]), strongest);
+    // Bleached eyes see colours that no light has. OKLab makes them darker than they are, which none of the gamut is
+    // below 0.968 of the grey of its luminance, and stronger than the spectrum (0.4), which would pull them to
+    // mid-grey.
+    const float y = 0.2126F * rgb[0][i] + 0.7152F * rgb[1][i] + 0.0722F * rgb[2][i];
+    const float least = y > 0 ? 0.96F * signed_cbrt(y) : 0.0F, lightness = lab[0] > least ? lab[0] : least;
+    const float chroma = std::sqrt(lab[1] * lab[1] + lab[2] * lab[2]), weaker = chroma > 0.4F ? 0.4F / chroma : 1.0F;
+    line.base[i] = grey_to_aim_at(lightness, weaker * chroma, strongest);
     for (std::size_t j = 0; j < 3; ++j)
-      line.slope[j][i] = lab[0] - line.base[i] + ok.roots_of_lab[j][1] * lab[1] + ok.roots_of_lab[j][2] * lab[2];
+      line.slope[j][i] =
+          lightness - line.base[i] + weaker * (ok.roots_of_lab[j][1] * lab[1] + ok.roots_of_lab[j][2] * lab[2]);
   }
 }
 

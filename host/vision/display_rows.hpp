@@ -26,12 +26,13 @@ enum class RodVision { off, ward, cie191 };
 void display_rows(const ToneTable &tone, RodVision rods, std::size_t count, const float *x, const float *y,
                   const float *z, float *luminance, const float *scotopic, float *rgb);
 
-/* Colours into [0,1]^3 at constant OKLab hue, on the straight way to a grey. For colours too bright in a channel that
-   grey lies between their own lightness and 0.5, the more the stronger they are: an orange Sun at the white of the
-   display gives up some lightness and stays orange. Others keep their lightness. Neighbours stay neighbours. source:
-   Ottosson 2021, "sRGB gamut clipping", adaptive L0 about 0.5 with alpha 0.5 differs: never below the colour's
-   lightness in the dark; the pull sets in with the overshoot of the strongest channel returns: how many were outside by
-   more than 1e-6 */
+/* Colours into [0,1]^3 at constant OKLab hue, on the straight way to a grey, to where it enters the gamut. For colours
+   too bright in a channel that grey lies between their own lightness and 0.5, the more the stronger they are: an orange
+   Sun at the white of the display gives up some lightness and stays orange. Neighbours stay neighbours.
+   source: Ottosson 2021, "sRGB gamut clipping", adaptive L0 about 0.5 with alpha 0.5
+   differs: never below the colour's lightness in the dark; the pull sets in with the overshoot of the strongest
+   channel; colours that no light has count no darker than 0.96 of the grey of their luminance, and no stronger than a
+   chroma of 0.4 returns: how many were outside by more than 1e-6 */
 std::size_t gamut_rows(std::size_t count, float *rgb);
 
 }  // namespace greenray::vision

@@ -206,8 +206,10 @@ ViewGeometry view_geometry(int width, int height, std::optional<double> fov_deg,
   view.width = width, view.height = height;
   view.assumed = !fov_deg.has_value();
   const double smaller = std::tan(20 * deg);
-  const double unaided_deg =
-      fov_deg.value_or(2 / deg * std::atan(smaller * std::max(1.0, static_cast<double>(width) / height)));
+  constexpr double widest_assumed_deg = 170;  // a strip of pixels is no fish eye
+  const double assumed_deg = std::min(2 / deg * std::atan(smaller * std::max(1.0, static_cast<double>(width) / height)),
+                                      widest_assumed_deg / std::max(1.0, magnification));
+  const double unaided_deg = fov_deg.value_or(assumed_deg);
   view.fov_deg = unaided_deg * magnification;
   if (!(view.fov_deg > 0 && view.fov_deg <= 179))
     throw std::domain_error("expected a field of view, times the magnification, above 0 and up to 179 degrees, found " +

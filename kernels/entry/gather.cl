@@ -18,11 +18,12 @@
 
 #include "map/nearest.h"
 
-#define MAP_ARGUMENTS                                                                                              \
-  __global const int *cell_start, __global const float *x_m, __global const float *y_m, __global const float *z_m, \
-      __global const int *normal, __global const float *power_W, const int stride, const PhotonGrid grid
+#define MAP_ARGUMENTS                                                                                                  \
+  __global const int *cell_start, __global const int *sub_start, __global const float *x_m, __global const float *y_m, \
+      __global const float *z_m, __global const int *normal, __global const float *power_W, const int stride,          \
+      const PhotonGrid grid
 #define MAP \
-  { cell_start, x_m, y_m, z_m, normal, power_W, stride }
+  { cell_start, sub_start, x_m, y_m, z_m, normal, power_W, stride }
 
 #define ANSWERS                                                                                        \
   __global const GatherPoint *points, __global float *irradiance_W_m2, __global GatherSpread *spreads, \

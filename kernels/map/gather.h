@@ -27,17 +27,21 @@ DEVICE Asking asking(const GatherPoint *point, const GatherSettings *settings) {
   return a;
 }
 
-/* Squared distances [m^2] of photons i .. i + LANES - 1; HUGE_F for those of another side or beyond `last`. */
-DEVICE real distances2(const PhotonArrays *map, const Asking *a, int i, int last) {
+/* Squared distances [m^2] of photons i .. i + LANES - 1; HUGE_F for those of another side or that are not `counted`.
+   WITH_SIDES 0: the asking tells no sides apart and its support is a ball. */
+DEVICE real distances2(const PhotonArrays *map, const Asking *a, int i, mask counted) {
   const real dx = load_lanes(map->x_m + i) - a->x_m, dy = load_lanes(map->y_m + i) - a->y_m,
              dz = load_lanes(map->z_m + i) - a->z_m;
+  const real d2 = (dx * dx + dy * dy) + dz * dz;
+#if WITH_SIDES
   const mask normal = load_ints(map->normal + i);
   const real cosine =
       as_reals(normal << 22 >> 22) * a->nx + as_reals(normal << 12 >> 22) * a->ny + as_reals(normal << 2 >> 22) * a->nz;
   const real height = dx * a->nx + dy * a->ny + dz * a->nz;
-  const real d2 = (dx * dx + dy * dy) + dz * dz;
-  const mask counts = (cosine >= a->facing) & (LANE_NUMBERS + i < last);
-  return counts ? d2 + a->squash * (height * height) : SPREAD(HUGE_F);
+  return (cosine >= a->facing) & counted ? d2 + a->squash * (height * height) : SPREAD(HUGE_F);
+#else
+  return counted ? d2 : SPREAD(HUGE_F);
+#endif
 }
 
 /* The kernel's value, not yet normalised; only asked for d2 < radius2. */
@@ -70,9 +74,9 @@ DEVICE int gather_within(const PhotonArrays *map, const PhotonGrid *grid, const 
   for (int w = 0; w < WAVES; ++w) sum[w] = SPREAD(0);
   mask counts = SPREAD_INT(0);
   Runs runs = runs_within(grid, a->x_m, a->y_m, a->z_m, radius_m);
-  while (next_run(&runs, grid, map->cell_start))
+  while (next_run(&runs, grid, map->cell_start, map->sub_start))
     for (int i = runs.first; i < runs.last; i += LANES) {
-      const real d2 = distances2(map, a, i, runs.last);
+      const real d2 = distances2(map, a, i, LANE_NUMBERS < runs.last - i);
       const mask inside = d2 < radius2;
       const real weight = inside ? kernel_weight(d2, per_radius2, per_cone) : SPREAD(0);
       counts += inside ? SPREAD_INT(1) : SPREAD_INT(0);

@@ -48,9 +48,9 @@ DEVICE int list_distances(Distances *d) {
   mask counts = SPREAD_INT(0);
   d->groups = 0;
   Runs runs = runs_within(d->grid, d->asking->x_m, d->asking->y_m, d->asking->z_m, d->radius_m);
-  while (next_run(&runs, d->grid, d->map->cell_start))
+  while (next_run(&runs, d->grid, d->map->cell_start, d->map->sub_start))
     for (int i = runs.first; i < runs.last; i += LANES) {
-      const real d2 = distances2(d->map, d->asking, i, runs.last);
+      const real d2 = distances2(d->map, d->asking, i, LANE_NUMBERS < runs.last - i);
       counts += d2 < radius2 ? SPREAD_INT(1) : SPREAD_INT(0);
 #if NEAR_GROUPS > 0
       if (d->groups < NEAR_GROUPS) d->list[d->groups] = d2;
@@ -69,9 +69,9 @@ DEVICE Survey survey(const Distances *d, float limit) {
   }
 #endif
   Runs runs = runs_within(d->grid, d->asking->x_m, d->asking->y_m, d->asking->z_m, d->radius_m);
-  while (next_run(&runs, d->grid, d->map->cell_start))
+  while (next_run(&runs, d->grid, d->map->cell_start, d->map->sub_start))
     for (int i = runs.first; i < runs.last; i += LANES)
-      survey_lanes(&s, distances2(d->map, d->asking, i, runs.last), limit);
+      survey_lanes(&s, distances2(d->map, d->asking, i, LANE_NUMBERS < runs.last - i), limit);
   return survey_sum(&s);
 }
 

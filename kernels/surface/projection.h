@@ -1,4 +1,5 @@
-/* Caustic photons, aimed by projection maps that are made after bending: traced paths, not lines of sight, mark the cells.
+/* Caustic photons, aimed by projection maps that are made after bending: traced paths, not lines of sight, mark the
+   cells.
 
    source: Jensen, "Realistic image synthesis using photon mapping" (2001), section 5.4, projection maps
    differs: cells of the emission's random numbers rather than of directions, so that suns and lamps are aimed in place,
@@ -40,6 +41,7 @@ DEVICE void leave_light(const Geometry *g, const Air *air, const Looks *looks, i
   emit_photon(g, looks, light, place, aim, &path->place, &direction);
   path->row = b->hero;
   path->inside_glass = 0;
+  path->measured = 0;
   path->momentum = times(direction, scalar_root(air_index2(air, b->hero, path->place.z)));
 }
 
@@ -76,8 +78,7 @@ DEVICE int follow_caustic(const Geometry *g, const Air *air, const Looks *looks,
   Path path;
   Bundle b;
   leave_light(g, air, looks, light, place, aim, settings->alone, &path, &b);
-  const scalar share =
-      projections->weights[light * PROJECTION_CELLS + cell] / (scalar)looks->lights[light].photons;
+  const scalar share = projections->weights[light * PROJECTION_CELLS + cell] / (scalar)looks->lights[light].photons;
   for (int w = 0; w < WAVES; ++w) b.weight[w] *= share;
   for (int bounce = 1; bounce <= settings->most_bounces; ++bounce) {
     SurfaceHit hit;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <numeric>
 #include <random>
 
@@ -27,17 +28,36 @@ int cell_by_hand(const PhotonGrid &g, const Photon &p) {
   return (cell[2] * g.cells[1] + cell[1]) * g.cells[0] + cell[0];
 }
 
-/// The map that std::stable_sort makes of the records.
+/// Eighth of the cell along each axis, in cells of 513 photons and more; 0 in others.
+int sub_cell_by_hand(const PhotonGrid &g, const Photon &p, std::size_t in_cell) {
+  if (in_cell < 513) return 0;
+  int sub[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const float t = (p.place_m[axis] - g.origin_m[axis]) * g.per_m;
+    const bool wraps = g.wrap && axis > 0;
+    const float part = !wraps && t < 0 ? 0 : !wraps && t >= static_cast<float>(g.cells[axis]) ? 1 : t - std::floor(t);
+    sub[axis] = std::min(static_cast<int>(part * 8), 7);
+  }
+  return (sub[2] * 8 + sub[1]) * 8 + sub[0];
+}
+
+/// The map that std::sort makes of the records.
 std::vector<unsigned> order_by_hand(const PhotonGrid &g, const Photons &photons) {
   std::vector<unsigned> order;
+  std::map<int, std::size_t> in_cell;
   for (unsigned i = 0; i < photons.records.size(); ++i)
-    if (PHOTON_KIND(photons.records[i].tags) != PHOTON_NONE && std::isfinite(photons.records[i].place_m[0]))
+    if (PHOTON_KIND(photons.records[i].tags) != PHOTON_NONE && std::isfinite(photons.records[i].place_m[0])) {
       order.push_back(i);
-  const auto key = [&](unsigned i) {
+      ++in_cell[cell_by_hand(g, photons.records[i])];
+    }
+  using Key = std::tuple<int, int, unsigned, unsigned>;
+  std::vector<Key> keys(photons.records.size());
+  for (const unsigned i : order) {
     const Photon &p = photons.records[i];
-    return std::tuple(cell_by_hand(g, p), p.id, PHOTON_BOUNCE(p.tags));
-  };
-  std::sort(order.begin(), order.end(), [&](unsigned a, unsigned b) { return key(a) < key(b); });
+    const int cell = cell_by_hand(g, p);
+    keys[i] = {cell, sub_cell_by_hand(g, p, in_cell[cell]), p.id, PHOTON_BOUNCE(p.tags)};
+  }
+  std::sort(order.begin(), order.end(), [&](unsigned a, unsigned b) { return keys[a] < keys[b]; });
   return order;
 }
 
@@ -58,31 +78,51 @@ void expect_same_map(const PhotonMap::Contents &a, const PhotonMap::Contents &b)
   EXPECT_EQ(a.power_W, b.power_W);
 }
 
+void expect_sorted_records(const Photons &photons, const Bounds &bounds, double cell_m) {
+  PhotonMap map(shared_device(), {photons.records.size(), photons.waves, 0, 0});
+  map.upload(photons.records, photons.power_W);
+  map.build(photons.records.size(), bounds, cell_m);
+  const PhotonMap::Contents c = map.read();
+  const std::vector<unsigned> expected = order_by_hand(map.grid(), photons);
+  const auto waves = static_cast<std::size_t>(photons.waves);
+  ASSERT_EQ(map.filed(), expected.size());
+  EXPECT_EQ(c.order, expected) << cell_m;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const Photon &p = photons.records[expected[i]];
+    ASSERT_EQ(c.x_m[i], p.place_m[0]);
+    ASSERT_EQ(c.y_m[i], p.place_m[1]);
+    ASSERT_EQ(c.z_m[i], p.place_m[2]);
+    ASSERT_EQ(c.normal[i], p.normal);
+    for (std::size_t w = 0; w < waves; ++w)
+      ASSERT_EQ(c.power_W[w * expected.size() + i], photons.power_W[expected[i] * waves + w]);
+    const int cell = cell_by_hand(map.grid(), p);
+    ASSERT_LE(c.cell_start[static_cast<std::size_t>(cell)], static_cast<int>(i));
+    ASSERT_GT(c.cell_start[static_cast<std::size_t>(cell) + 1], static_cast<int>(i));
+  }
+}
+
 // oracle: std::sort by (cell, id, bounce), cells from the definition of the grid
 // tolerance: none
 TEST(PhotonMap, IsTheRecordsSortedByCellThenEmission) {
-  const Photons photons = photons_in_room(20000, 2, 7);
-  for (double cell_m : {0.31, 0.02, 40.0}) {
-    PhotonMap map(shared_device(), {photons.records.size(), photons.waves, 0, 0});
-    map.upload(photons.records, photons.power_W);
-    map.build(photons.records.size(), bounds_of(photons.records), cell_m);
-    const PhotonMap::Contents c = map.read();
-    const std::vector<unsigned> expected = order_by_hand(map.grid(), photons);
-    ASSERT_EQ(map.filed(), expected.size());
-    EXPECT_EQ(c.order, expected) << cell_m;
-    for (std::size_t i = 0; i < expected.size(); ++i) {
-      const Photon &p = photons.records[expected[i]];
-      ASSERT_EQ(c.x_m[i], p.place_m[0]);
-      ASSERT_EQ(c.y_m[i], p.place_m[1]);
-      ASSERT_EQ(c.z_m[i], p.place_m[2]);
-      ASSERT_EQ(c.normal[i], p.normal);
-      for (std::size_t w = 0; w < 2; ++w)
-        ASSERT_EQ(c.power_W[w * expected.size() + i], photons.power_W[expected[i] * 2 + w]);
-      const int cell = cell_by_hand(map.grid(), p);
-      ASSERT_LE(c.cell_start[static_cast<std::size_t>(cell)], static_cast<int>(i));
-      ASSERT_GT(c.cell_start[static_cast<std::size_t>(cell) + 1], static_cast<int>(i));
-    }
+  for (int waves : {1, 2, 3, 9}) {
+    const Photons photons = photons_in_room(20000, waves, 7);
+    for (double cell_m : {0.31, 0.02, 40.0}) expect_sorted_records(photons, bounds_of(photons.records), cell_m);
   }
+}
+
+// oracle: the same, records in any order, so that every cell is sorted by emission, the one of all photons too
+// tolerance: none
+TEST(PhotonMap, SortsCellsByEmission) {
+  const Photons photons = shuffled(photons_in_room(20000, 1, 17), 3);
+  for (double cell_m : {0.31, 0.02, 40.0}) expect_sorted_records(photons, bounds_of(photons.records), cell_m);
+}
+
+// oracle: the same; photons outside of the box are filed in its outermost cells, or wrapped around
+// tolerance: none
+TEST(PhotonMap, FilesWhatLiesOutsideTheBox) {
+  const Photons photons = photons_in_room(20000, 1, 27);
+  const Bounds inner{{0, 3, 11}, {1, 4, 12}};
+  for (double cell_m : {0.31, 0.01}) expect_sorted_records(photons, inner, cell_m);
 }
 
 // oracle: one stable order exists, so chunks, work-groups and threads cannot matter
@@ -188,7 +228,8 @@ TEST(PhotonGather, RadiusAgainstBruteForce) {
         PhotonMap map(shared_device(lanes), {photons.records.size(), photons.waves, 0, 0});
         map.upload(photons.records, photons.power_W);
         map.build(photons.records.size(), bounds_of(photons.records), cell_m);
-        const GatherSettings settings = gather_settings(0.3);
+        /* cells of 0.11 m: a ball of all sides, which is another kernel */
+        const GatherSettings settings = cell_m == 0.11 ? gather_settings(0.3, 1, 180) : gather_settings(0.3);
         PhotonGather gather(shared_device(lanes), photons.waves, {kernel, true, 0, 8});
         gather.set_points(points);
         gather.within(map, settings);
@@ -284,7 +325,7 @@ TEST(PhotonGather, NearestAgainstBruteForce) {
         PhotonMap map(shared_device(lanes), {photons.records.size(), 1, 0, 0});
         map.upload(photons.records, photons.power_W);
         map.build(photons.records.size(), bounds_of(photons.records), 0.25);
-        GatherSettings settings = gather_settings(30);
+        GatherSettings settings = k == 7 ? gather_settings(30, 1, 180) : gather_settings(30); /* a ball of all sides */
         settings.nearest = k;
         settings.guess_m = static_cast<float>(guess_m);
         PhotonGather gather(shared_device(lanes), 1, {GATHER_FLAT, false, 0, 4});
@@ -299,6 +340,43 @@ TEST(PhotonGather, NearestAgainstBruteForce) {
           const auto inside =
               std::count_if(near.photons.begin(), near.photons.end(), [&](auto &p) { return p.first < d2; });
           ASSERT_EQ(answers.gathered[q].count, inside) << q << " k " << k;
+        }
+      }
+}
+
+// oracle: brute force, as above, where one cell holds thousands of photons, in a grid and in a wrapped one
+// tolerance: none
+TEST(PhotonGather, DenseCellsAgainstBruteForce) {
+  Photons photons = photons_in_room(20000, 1, 23);
+  std::vector<GatherPoint> points = points_in_room(200, 6);
+  for (Photon &p : photons.records)  // the room a tenth as large, and two in three photons of it in a corner
+    for (float &x : p.place_m) x *= p.id % 3 ? 0.02f : 0.1f;
+  for (GatherPoint &q : points)
+    for (float &x : q.place_m) x *= &q - points.data() < 100 ? 0.02f : 0.1f;
+  const Bounds own = bounds_of(photons.records), wide{{-100, -100, -100}, {100, 100, 100}},
+               inner{{0, 0, 0}, {.1, .2, .3}};
+  for (int lanes : {1, 8})
+    for (const Bounds &bounds : {own, wide, inner})
+      for (double cell_m : {0.03, 0.07, 0.3}) {
+        PhotonMap map(shared_device(lanes), {photons.records.size(), 1, 0, 0});
+        map.upload(photons.records, photons.power_W);
+        map.build(photons.records.size(), bounds, cell_m);
+        GatherSettings settings = gather_settings(0.02, 1, 180);
+        PhotonGather gather(shared_device(lanes), 1, {GATHER_FLAT, false, 0, 4});
+        gather.set_points(points);
+        gather.within(map, settings);
+        const GatherAnswers within = gather.read();
+        settings.radius_m = 10, settings.guess_m = 0.02f, settings.nearest = 60;
+        gather.nearest(map, settings);
+        const GatherAnswers nearest = gather.read();
+        for (std::size_t q = 0; q < points.size(); ++q) {
+          const Near near = near_by_hand(photons, points[q], settings);
+          const auto inside = [&](float r2) {
+            return std::count_if(near.photons.begin(), near.photons.end(), [&](auto &p) { return p.first < r2; });
+          };
+          ASSERT_EQ(within.gathered[q].count, inside(0.02f * 0.02f)) << q << " cell " << cell_m;
+          ASSERT_EQ(nearest.gathered[q].radius_m, std::sqrt(near.photons[59].first)) << q << " cell " << cell_m;
+          ASSERT_EQ(nearest.gathered[q].count, inside(near.photons[59].first)) << q << " cell " << cell_m;
         }
       }
 }

@@ -35,7 +35,8 @@ TEST(TinyPhotons, FiledAndFound) {
     gather.set_points(points);
     gather.within(map, gather_settings(20, 1, 180));
     for (const Gathered &g : gather.read().gathered) EXPECT_EQ(g.count, 60);
-    gather.within(map, gather_settings(20, 1, 180), std::vector<float>{20, 1, 0.1f});
+    gather.within(map, gather_settings(20, 0.99, 180),
+                  std::vector<float>{20, 1, 0.1f});  // the kernel that tells sides apart
     EXPECT_EQ(gather.read().gathered[0].count, 60);
     GatherSettings settings = gather_settings(20, 1, 180);
     settings.guess_m = 0.5f;
@@ -43,6 +44,22 @@ TEST(TinyPhotons, FiledAndFound) {
     gather.nearest(map, settings);
     for (const Gathered &g : gather.read().gathered) EXPECT_EQ(g.count, 6);
   }
+}
+
+// oracle: a ball that holds the room finds all photons, one that holds no place finds none
+// tolerance: none
+TEST(TinyPhotons, DenseCell) {
+  const Photons photons = photons_in_room(600, 1, 5);
+  const std::vector<GatherPoint> points = points_in_room(2, 2);
+  PhotonMap map(shared_device(), {photons.records.size(), 1, 0, 0});
+  map.upload(photons.records, photons.power_W);
+  map.build(photons.records.size(), bounds_of(photons.records), 30);
+  PhotonGather gather(shared_device(), 1, {GATHER_FLAT, false, 0, 2});
+  gather.set_points(points);
+  gather.within(map, gather_settings(20, 1, 180));
+  for (const Gathered &g : gather.read().gathered) EXPECT_EQ(g.count, 600);
+  gather.within(map, gather_settings(1e-6, 1, 180));
+  for (const Gathered &g : gather.read().gathered) EXPECT_EQ(g.count, 0);
 }
 
 }  // namespace

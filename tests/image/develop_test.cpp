@@ -5,6 +5,7 @@
 #include <png.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -138,6 +139,41 @@ TEST(Camera, HopelessInputIsBlackAndCounted) {
   EXPECT_EQ(develop_camera(green).report.replaced, 0U);
 }
 
+// oracle: the definition: geometric mean of the 99.5 % and 99.98 % points of the sorted strongest channels, whatever
+// the
+//         pieces.  tolerance: rounding of a product
+TEST(Camera, KeyOfPiecesIsThatOfTheWhole) {
+  const RgbImage scene = low_sun(200, 150, 3e7);
+  std::vector<float> strongest;
+  for (std::size_t i = 0; i < scene.pixels(); ++i) {
+    const Rgb value = scene.pixel(i);
+    const double most = std::max({value[0], value[1], value[2]});
+    if (most > 0) strongest.push_back(static_cast<float>(most));
+  }
+  std::sort(strongest.begin(), strongest.end());
+  const auto point = [&](double share) {
+    return static_cast<double>(strongest[static_cast<std::size_t>(share * static_cast<double>(strongest.size() - 1))]);
+  };
+  for (const std::size_t piece : {scene.pixels(), std::size_t{7 * 200}, std::size_t{33}}) {
+    ExposureKey key;
+    do
+      for (std::size_t from = 0; from < scene.pixels(); from += piece)
+        key.look(scene.rgb.data() + 3 * from, std::min(piece, scene.pixels() - from));
+    while (key.again());
+    EXPECT_NEAR(key.cd_m2() / std::sqrt(point(0.995) * point(0.9998)), 1, 1e-14) << piece;
+  }
+}
+
 // oracle: one stop is a factor of two of scene light.  tolerance: rounding to float
+TEST(Camera, OneStopIsAFactorOfTwo) {
+  RgbImage scene = low_sun(60, 45, 1e6), doubled = scene;
+  for (float &value : doubled.rgb) value *= 2;
+  CameraReport report, stop;
+  report.key_cd_m2 = stop.key_cd_m2 = 1e6;
+  std::vector<float> bright(scene.rgb.size()), exposed(scene.rgb.size());
+  camera_rows({std::nullopt, 8, true}, report, doubled.rgb.data(), scene.pixels(), bright.data());
+  camera_rows({1.0, 8, true}, stop, scene.rgb.data(), scene.pixels(), exposed.data());
+  for (std::size_t i = 0; i < bright.size(); ++i) ASSERT_NEAR(bright[i], exposed[i], 1e-6F);
+}
 
 }  // namespace greenray

@@ -97,13 +97,13 @@ Spread caustic_power(const RoomScene &scene, int passes, bool &aimed) {
 
 TEST(CausticAim, SameLightInFewerPhotons) {
   // oracle: photons that are not aimed; a Poisson process's variance falls with the number that land
-  // tolerance: 5 standard errors of the mean power; of the variance: half, expected a tenth and less (24 passes know it
-  //            to 30 %)
+  // tolerance: 5 standard errors of the mean power; of the variance: half, expected a tenth and less (16 passes know it
+  //            to 40 %)
   for (const bool bent : {false, true})
     for (const char *const light : lights) {
       bool aimed = false, not_aimed = true;
-      const Spread with = caustic_power(glass_ball(light, true, bent), 24, aimed);
-      const Spread without = caustic_power(glass_ball(light, false, bent), 24, not_aimed);
+      const Spread with = caustic_power(glass_ball(light, true, bent), 16, aimed);
+      const Spread without = caustic_power(glass_ball(light, false, bent), 16, not_aimed);
       EXPECT_TRUE(aimed) << light;
       EXPECT_FALSE(not_aimed) << light;
       EXPECT_GT(without.mean, 0.0);

@@ -111,6 +111,7 @@ TEST(Bleaching, Limits) {
   EXPECT_NEAR(unbleached_after(1, 1e7, 0.1), unbleached_after(1, 1e8, 0.01), 1e-3);
   EXPECT_NEAR(unbleached_after(unbleached_after(1, 3e5, 2), 3e5, 5), unbleached_after(1, 3e5, 7), 1e-15);
   EXPECT_EQ(steady_unbleached(std::numeric_limits<double>::infinity()), 0);
+  EXPECT_NEAR(1e11 * steady_unbleached(1e11), 2e4, 0.1) << "every pigment in strong light catches the same";
 }
 
 // oracle: Stockman & Sharpe's own table of fundamentals, each to peak 1.  tolerance: what rebuilding them from the

@@ -1,0 +1,121 @@
+// Rooms of suite scenes: RMS error of a pixel against the seconds of the picture, by number of photons.
+#include <algorithm>
+#include <cmath>
+
+#include "bench/device_methods.hpp"
+#include "bench/machine.hpp"
+#include "bench/trace_suite.hpp"
+#include "render/room.hpp"
+#include "support/embedded.hpp"
+
+namespace greenray::bench {
+namespace {
+
+struct Picture {
+  RoomPicture picture;
+  Clocks took;
+  double seconds() const { return took.wall_seconds - picture.report.compile_seconds; }
+};
+
+Picture render_once(const RoomScene &scene, const RoomOptions &options, const std::shared_ptr<Device> &device) {
+  const Clocks begin = clocks_now();
+  RoomPicture picture = render_room(scene, options, device);
+  const Clocks end = clocks_now();
+  return {std::move(picture), {end.wall_seconds - begin.wall_seconds, end.cpu_seconds - begin.cpu_seconds}};
+}
+
+/* RMS over the pixels of the difference of sums over the wavelengths, over the reference's mean; the reference's own
+   noise is independent and taken off. */
+double true_error(const SpectralImage &image, const RoomPicture &reference) {
+  const std::size_t waves = image.wavelength_nm.size();
+  double squares = 0, whole = 0;
+  for (std::size_t p = 0; p < image.pixels(); ++p) {
+    double difference = 0;
+    for (std::size_t w = p * waves; w < (p + 1) * waves; ++w) {
+      const double truth = static_cast<double>(reference.image.radiance[w]);
+      difference += static_cast<double>(image.radiance[w]) - truth, whole += truth;
+    }
+    squares += difference * difference;
+  }
+  const double pixels = static_cast<double>(image.pixels()), level = whole / pixels;
+  const double apart2 = squares / pixels / (level * level);
+  return std::sqrt(std::max(0.0, apart2 - reference.report.noise_rms * reference.report.noise_rms));
+}
+
+Record record_of(const std::string &name, const std::vector<Picture> &pictures, const RoomPicture &reference,
+                 const Device &device) {
+  std::vector<double> wall;
+  const Picture *best = &pictures[0];
+  for (const Picture &p : pictures) {
+    wall.push_back(p.seconds());
+    if (p.seconds() < best->seconds()) best = &p;
+  }
+  std::sort(wall.begin(), wall.end());
+  const RoomReport &r = best->picture.report;
+  Record record;
+  record.suite = "scenes";
+  record.case_name = name;
+  record.variant = "photon map, " + std::to_string(r.photons.photons) + " photons";
+  record.device = device_words(device);
+  record.kind = {"", "", "photon map", "float", device.lanes().lanes_float};
+  record.rate = 1 / wall.front();
+  record.rate_unit = "picture/s";
+  record.error = true_error(best->picture.image, reference);
+  record.error_unit = "RMS, relative";
+  record.cpu_seconds = best->took.cpu_seconds;
+  record.wall_seconds = wall.front();
+  record.median_rate = 1 / wall[wall.size() / 2];
+  record.repeats = static_cast<int>(pictures.size());
+  record.more = {{"claimed_rms", r.error_rms},
+                 {"noise_rms", r.noise_rms},
+                 {"bias_rms", r.bias_rms},
+                 {"pixels", static_cast<double>(best->picture.image.pixels())},
+                 {"photons", static_cast<double>(r.photons.photons)},
+                 {"reference_photons", static_cast<double>(reference.report.photons.photons)},
+                 {"reference_claimed_rms", reference.report.error_rms},
+                 {"samples_per_pixel", r.spp},
+                 {"build_seconds", r.build_seconds},
+                 {"emit_seconds", r.emit_seconds},
+                 {"map_seconds", r.map_seconds},
+                 {"gather_seconds", r.gather_seconds},
+                 {"eye_seconds", r.eye_seconds}};
+  return record;
+}
+
+RoomScene shipped_room(const std::string &name) {
+  const std::string file = "scenes/" + name + ".toml";
+  return parse_room(file, embedded_file(file).value());
+}
+
+}  // namespace
+
+std::vector<Record> run_rooms(const SuiteOptions &options, const std::shared_ptr<Device> &device) {
+  std::vector<Record> records;
+  const std::int64_t most = options.quick ? 60000 : 1000000;
+  for (const char *name : {"cross-room", "prism-caustic"}) {
+    const RoomScene scene = shipped_room(name);
+    const auto say = [&](const std::string &what) {
+      if (options.say) options.say(std::string(name) + ": " + what);
+    };
+    RoomOptions room;
+    const int shrink = options.quick ? 10 : 2;
+    room.size = {scene.camera.resolution[0] / shrink, scene.camera.resolution[1] / shrink};
+    RoomOptions better = room;
+    better.seed = 4242, better.photons = 16 * most, better.spp = 64;
+    say("reference");
+    const RoomPicture reference = render_room(scene, better, device);  // warms up, too
+    for (std::int64_t photons = most / 16; photons <= most; photons *= 4) {
+      room.photons = photons;
+      std::vector<Picture> pictures;
+      for (int i = 0; i < (options.quick ? 1 : std::clamp(options.repeats / 2, 1, 3)); ++i) {
+        say(std::to_string(photons) + " photons");
+        pictures.push_back(render_once(scene, room, device));
+      }
+      records.push_back(record_of(name, pictures, reference, *device));
+      if (options.done) options.done(records.back());
+    }
+  }
+  return records;
+}
+
+}  // namespace greenray::bench
