@@ -22,7 +22,7 @@ inline LandedPhotons land_photons(const RoomScene &scene, std::uint32_t photons,
   RoomLooks looks = room_looks(scene);
   const AirTable air = room_air(scene, looks.wavelength_nm, straight);
   const SurfaceTree tree = build_surface_tree(scene.surfaces, SurfaceScene::lanes_for(*device));
-  share_photons(looks, photons);
+  share_photons(looks, photons, looks.light_power_W_nm);
   RoomTracer tracer(device, tree, air, looks);
   PhotonBatch batch;
   batch.seed = seed, batch.photons = photons, batch.chunk = chunk, batch.most_bounces = scene.photons.most_bounces;
