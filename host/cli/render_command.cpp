@@ -239,11 +239,7 @@ int check(const Arguments &a) {
             << plan.first_elevation_deg << " deg\n"
             << "memory   " << plan.device_bytes / 1000000 + 1 << " MB on the device, " << plan.host_bytes / 1000000 + 1
             << " MB on the host\n";
-  for (const PlanChoice &c : plan.choices) {
-    std::cout << "chosen   " << c.what << ": " << c.chosen << " (" << c.why << ")";
-    if (!c.cost_unit.empty()) std::cout << "; costs " << c.cost << " " << c.cost_unit;
-    std::cout << "\n";
-  }
+  print_choices(plan.choices);
   for (const std::string &what : plan.modelled) std::cout << "modelled " << what << "\n";
   for (const std::string &what : plan.left_out) std::cout << "left out " << what << "\n";
   return 0;

@@ -13,7 +13,9 @@
 #include "image/colour.hpp"
 #include "image/develop.hpp"
 #include "image/exr.hpp"
+#include "render/report.hpp"
 #include "render/room_checkpoint.hpp"
+#include "render/room_choices.hpp"
 #include "render/room_report.hpp"
 #include "support/atomic_file.hpp"
 #include "support/embedded.hpp"
@@ -185,12 +187,22 @@ std::optional<int> render_room_scene(const Arguments &a) {
   return 0;
 }
 
+void print_choices(const std::vector<PlanChoice> &choices) {
+  for (const PlanChoice &c : choices) {
+    std::cout << "chosen   " << c.what << ": " << c.chosen << " (" << c.why << ")";
+    if (!c.cost_unit.empty()) std::cout << "; costs " << c.cost << " " << c.cost_unit;
+    std::cout << "\n";
+  }
+}
+
 std::optional<int> check_room_scene(const Arguments &a) {
   const auto text = room_text(a.positional()[0], a.positional_place(0));
   if (!text) return std::nullopt;
   const RoomScene scene = parse_room(text->first, text->second, a.all("--set"));
   const RoomOptions options = options_from(a, scene);
-  const nlohmann::json plan = room_plan_json(scene, options);
+  const std::vector<PlanChoice> choices = room_choices(scene, options);
+  nlohmann::json plan = room_plan_json(scene, options);
+  plan["choices"] = choices_json(choices);
   if (a.has("--json")) {
     std::cout << nlohmann::json{{"scene", scene.name}, {"scene_hash", room_hash(scene)}, {"plan", plan}}.dump(1)
               << "\n";
@@ -201,6 +213,7 @@ std::optional<int> check_room_scene(const Arguments &a) {
             << " wavelengths\n"
             << "photons  " << stopping_words(options, plan_room(scene, options)) << "; " << scene.photons.gather
             << " an estimate; " << scene.surfaces.triangles.size() << " triangles\n";
+  print_choices(choices);
   for (const auto &[key, words] : {std::pair{"modelled", "modelled "}, {"left_out", "left out "}})
     for (const std::string what : plan.at(key)) std::cout << words << what << "\n";
   return 0;

@@ -3,8 +3,12 @@
 #include <optional>
 
 #include "cli/commands.hpp"
+#include "render/renderer.hpp"
 
 namespace greenray::cli {
+
+/// One line each: what was chosen, why, what it costs.
+void print_choices(const std::vector<PlanChoice> &choices);
 
 /// Renders the scene if it has surfaces; nothing if it is a sky scene, or is not there. returns: exit code
 std::optional<int> render_room_scene(const Arguments &a);

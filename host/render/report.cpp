@@ -33,14 +33,18 @@ nlohmann::json device_json(const Device &device) {
           {"budget_bytes", device.budget_bytes()}};
 }
 
+nlohmann::json choices_json(const std::vector<PlanChoice> &choices) {
+  Json all = Json::array();
+  for (const PlanChoice &c : choices)
+    all.push_back({{"what", c.what},
+                   {"chosen", c.chosen},
+                   {"why", c.why},
+                   {"cost", c.cost_unit.empty() ? Json() : Json(c.cost)},
+                   {"cost_unit", c.cost_unit.empty() ? Json() : Json(c.cost_unit)}});
+  return all;
+}
+
 nlohmann::json plan_json(const RenderPlan &plan) {
-  Json choices = Json::array();
-  for (const PlanChoice &c : plan.choices)
-    choices.push_back({{"what", c.what},
-                       {"chosen", c.chosen},
-                       {"why", c.why},
-                       {"cost", c.cost_unit.empty() ? Json() : Json(c.cost)},
-                       {"cost_unit", c.cost_unit.empty() ? Json() : Json(c.cost_unit)}});
   return {{"size", plan.size},
           {"crop", plan.crop},
           {"wavelengths_nm", plan.wavelengths_nm},
@@ -52,7 +56,7 @@ nlohmann::json plan_json(const RenderPlan &plan) {
           {"transfer_spacing_arcsec", plan.spacing_arcsec},
           {"device_bytes", plan.device_bytes},
           {"host_bytes", plan.host_bytes},
-          {"choices", choices},
+          {"choices", choices_json(plan.choices)},
           {"modelled", plan.modelled},
           {"left_out", plan.left_out}};
 }

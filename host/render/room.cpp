@@ -6,6 +6,7 @@
 
 #include "atmosphere/profile.hpp"
 #include "render/room_checkpoint.hpp"
+#include "render/room_choices.hpp"
 #include "render/room_error.hpp"
 #include "render/room_eye.hpp"
 #include "render/room_looks.hpp"
@@ -20,10 +21,6 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 constexpr int passes_before_stopping = 4;  // the noise from pass to pass is not known from fewer
-
-/// Do wavelengths part on the way through the medium by more than a two-hundredth of the scene? bend, averaged over the
-/// heights, times the square of the way.
-bool medium_disperses(const AirTable &air, double reach_m) { return air.parting_per_m() * reach_m > 5e-3; }
 
 /// The state of one render.
 class Room {

@@ -14,14 +14,12 @@ Json room_plan_json(const RoomScene &scene, const RoomOptions &options) {
   std::vector<std::string> modelled{"light on Lambert surfaces, direct and indirect: photon map",
                                     "mirrors, glass and rough surfaces: followed by photons and by the eye"};
   std::vector<std::string> left_out;
-  if (scene.air && !options.straight)
-    modelled.emplace_back("curved paths: exact parabolas in cells of linear n^2, L/n^2 carried");
+  if (scene.air && !options.straight) modelled.emplace_back("curved paths: chains of parabolas, L/n^2 carried");
   else left_out.push_back(options.straight ? "bending: --straight" : "bending: the scene has no medium");
   left_out.emplace_back("scattering in the medium");
   left_out.emplace_back(
       "light that photons of wavelengths other than their leader would take on parted ways, below a two-hundredth of "
-      "the "
-      "scene");
+      "the scene");
   const RoomPlan plan = plan_room(scene, options);
   return {{"size", plan.size},
           {"crop", plan.crop},
