@@ -33,9 +33,9 @@ struct RefractionRow {
 struct RefractionTable {
   std::vector<RefractionRow> rows;  // altitudes outermost, in the order given
   std::size_t cells_per_row = 0;
-  double table_bound_arcsec = 0;  // above the tolerance when a layer is too thin for the table
-  double error_arcsec = 0;        // largest estimate over rows with status space
-  std::size_t rows_over_tolerance = 0;
+  double table_bound_arcsec = 0;        // above the tolerance when a layer is too thin for the table
+  double error_arcsec = 0;              // largest estimate over rows with status space
+  std::size_t rows_over_tolerance = 0;  // status space, and over max(1, |dR/da|) above it
   TraceStats stats;
 };
 

@@ -171,20 +171,21 @@ const std::vector<Wrong> wrong_profiles{
     {"[[level]]\nheight_m = 0\ntemperature_K = 288\npressure_Pa = 0", 4, 15, "above 0"},
     {"[[level]]\nheight_m = 0\ntemperature_K = 288\nrelative_humidity = 80", 4, 21, "from 0 to 1"},
     {"[[level]]\nheight_m = 5\ntemperature_K = 288\n[[level]]\nheight_m = 5\ntemperature_K = 287", 5, 12,
-     "ascend from row to row, found 5.0 m after 5.0 m"},
+     "ascend from row to row by 0.0005 m or more, found 5.0 m after 5.0 m"},
     {"[[level]]\nheight_m = 5\ntemperature_K = 288\npressure_pa = 9e4", 4, 1, "(did you mean 'pressure_Pa'?)"},
     {"[[inversion]]\ndelta_T_K = 8\nheight_m = 50", 1, 1, "missing key 'inversion.diffuseness_m'"},
-    {"[[inversion]]\ndelta_T_K = 8\nheight_m = 50\ndiffuseness_m = 0", 4, 17, "above 0"},
+    {"[[inversion]]\ndelta_T_K = 8\nheight_m = 50\ndiffuseness_m = 0", 4, 17, "from 0.001 to"},
+    {"[[inversion]]\ndelta_T_K = 8\nheight_m = 50\ndiffuseness_m = 1e-4", 4, 17, "from 0.001 to"},
     {"[[inversion]]\ndelta_T_K = 8\nheight_m = -50\ndiffuseness_m = 5", 3, 12, "from 0 to 120000 m"},
     {"[[inversion]]\ndelta_T_K = { x_m = [0], value = [1] }\nheight_m = 5\ndiffuseness_m = 5", 2, 21, "at least 2"},
     {"[[inversion]]\ndelta_T_K = { x_m = [0, 0], value = [1, 2] }\nheight_m = 5\ndiffuseness_m = 5", 2, 21, "ascend"},
     {"[[inversion]]\ndelta_T_K = { x_m = [0, 9], value = [1] }\nheight_m = 5\ndiffuseness_m = 5", 2, 37, "as many"},
     {"[[inversion]]\ndelta_T_K = { x_m = [0, 9] }\nheight_m = 5\ndiffuseness_m = 5", 2, 13, "missing key"},
     {"[[inversion]]\ndelta_T_K = { x_m = [0, 9], value = [1, nan] }\nheight_m = 5\ndiffuseness_m = 5", 2, 41, "nan"},
-    {"[[inversion]]\nfrom_m = 50\nto_m = 30\nrise_K = 1", 3, 8, "a height above from_m"},
+    {"[[inversion]]\nfrom_m = 50\nto_m = 30\nrise_K = 1", 3, 8, "0.004 m or more above from_m"},
     {"[[inversion]]\nfrom_m = 5\ndelta_T_K = 3", 2, 10, "not some of each"},
     {"[[surface_layer]]\ndelta_T_K = 5", 1, 1, "missing key 'surface_layer.scale_m'"},
-    {"[[surface_layer]]\ndelta_T_K = 5\nscale_m = -1", 3, 11, "above 0"},
+    {"[[surface_layer]]\ndelta_T_K = 5\nscale_m = -1", 3, 11, "from 0.001 to"},
     {"[[index_level]]\nheight_m = 0\nrefractivity = -1", 3, 16, "from -0.9 to 10"},
     {"[[index_level]]\nheight_m = 0\nrefractivity = 0.1\n[[surface_layer]]\ndelta_T_K = 5\nscale_m = 1", 4, 1,
      "not allowed beside [[index_level]]"},
@@ -260,8 +261,8 @@ ProfileSpec random_profile(std::mt19937_64 &random, int round) {
   AlongSurface varying;
   varying.x_m = {-draw(1, 1e8), draw(1, 1e8)};
   varying.value = {draw(1, 1e5), draw(1, 1e5)};
-  spec.inversions = {{draw(1, 100), varying, draw(1e-5, 1e4), {}}, {-draw(1, 100), draw(1, 1e5), varying, {}}};
-  spec.surface_layers = {{-draw(1e-9, 1000), draw(1e-9, 1e5), {}}};
+  spec.inversions = {{draw(1, 100), varying, draw(1e-3, 1e4), {}}, {-draw(1, 100), draw(1, 1e5), varying, {}}};
+  spec.surface_layers = {{-draw(1e-9, 1000), draw(1e-3, 1e5), {}}};
   return spec;
 }
 

@@ -328,7 +328,7 @@ std::vector<Wrong> wrong_profiles() {
       profile("LevelBelowGround", with(level, "= 0", "= -1"), "-1", "from 0 to 120000 m"),
       profile("LevelHumidityPercent", level + "relative_humidity = 88.5\n", "88.5", "expected a number from 0 to 1"),
       profile("InversionIncomplete", with(inversion, "diffuseness_m = 5\n", ""), "", "missing key"),
-      profile("InversionSharp", with(inversion, "= 5\n", "= 0.0\n"), "0.0", "above 0"),
+      profile("InversionSharp", with(inversion, "= 5\n", "= 0.0\n"), "0.0", "from 0.001 to"),
       profile("InversionVaries", with(inversion, "= 50", "= { x_m = [0, 1e3], value = [50, 40] }"), "",
               "cannot be traced by this version: give one number"),
       profile("InversionVariesUnevenly", with(inversion, "= 50", "= { x_m = [0, 1e3], value = [50] }"), "[50]",
