@@ -89,6 +89,7 @@ struct RoomScene {
   EyeScene eye;
   OutputScene output;
   std::vector<std::string> aovs;
+  std::vector<SweepScene> sweeps;  // used by `greenray batch`
   std::vector<std::string> notes;
 };
 
