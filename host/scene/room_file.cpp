@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "atmosphere/profile_file.hpp"
+#include "scene/absorbers_file.hpp"
 #include "scene/room_reader.hpp"
 
 namespace greenray {
@@ -79,6 +80,11 @@ void read_air(TomlDocument &document, const TomlTable &table, const std::string 
   double exaggerate = 1;
   table.read_word("dispersion", air.index, index_model_words());
   if (table.read("exaggerate", exaggerate, {0, 1e6, "", true})) air.exaggerate *= exaggerate;
+  read_absorbers(table, scene.above);
+  scene.above_is_medium = has_profile && !has_field && air.index_levels.empty();
+  if (scene.above_is_medium) scene.above.profile = air, scene.above.profile.exaggerate = 1;
+  else scene.above.profile.index = air.index;
+  scene.above.profile_source = scene.above.profile.name;
   if (has_profile || has_field) scene.air = air;
   else if (table.has("exaggerate"))
     table.complain("exaggerate", "there is no medium to exaggerate: expected a profile or a field beside it");
@@ -154,6 +160,7 @@ bool is_room_text(const std::string &file, std::string_view text) {
 RoomScene parse_room(const std::string &file, std::string_view text, const std::vector<std::string> &overrides) {
   TomlDocument document(file, text);
   for (const std::string &assignment : overrides) document.override_with(assignment);
+  document.prefer_overridden("atmosphere.aerosol", "visibility_km", "turbidity");
   const TomlTable root = document.root();
   RoomScene scene;
   scene.name = fs::path(file).stem().string();
