@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
@@ -76,6 +77,8 @@ RoomOptions options_from(const Arguments &a, const RoomScene &scene) {
   o.crop = crop_from(a);
   if (o.crop) o.crop_place = a.place("--crop");
   read_stopping(a, o);
+  o.photon_map = scene.photon_map;
+  if (const auto shown = a.optional_number("--photon-map", 0, 1e9, "photons")) o.photon_map = std::llround(*shown);
   if (a.has("--resume") && a.has("--no-resume")) a.fail("--no-resume", "expected one of --resume and --no-resume");
   o.resume = a.has("--resume")      ? RoomOptions::Resume::always
              : a.has("--no-resume") ? RoomOptions::Resume::never
@@ -141,6 +144,13 @@ void keep_channels(const std::vector<std::string> &aovs, SpectralImage &image) {
   });
 }
 
+/// OUT.photons.exr and .png: one photon of median power is a dot a little brighter than middle grey.
+void write_photon_map(const SpectralImage &map, const fs::path &exr, AtomicFileSet &files, const ExrAttributes &words) {
+  write_exr(files.add(fs::path(exr).replace_extension(".photons.exr")), map, words, {false});
+  write_png(files.add(fs::path(exr).replace_extension(".photons.png")),
+            develop_camera(rgb_from_spectral(map), {std::nullopt, 8, true}).pixels);
+}
+
 }  // namespace
 
 std::optional<int> render_room_scene(const Arguments &a) {
@@ -154,7 +164,7 @@ std::optional<int> render_room_scene(const Arguments &a) {
   const std::shared_ptr<Device> device = open_device(device_options(a));
   { AtomicFile(exr).write("x"); }  // is there room and right to write there?
   options.checkpoint = fs::path(exr).replace_extension(".grck");
-  for (const char *extension : {".exr", ".png", ".json", ".grck"})
+  for (const char *extension : {".exr", ".png", ".json", ".grck", ".photons.exr", ".photons.png"})
     remove_stale_temporaries(fs::path(exr).replace_extension(extension));
   const bool quiet = a.has("--quiet"), json = a.has("--json");
   Progress progress(quiet ? Progress::Style::quiet : json ? Progress::Style::json : Progress::Style::text);
@@ -173,6 +183,7 @@ std::optional<int> render_room_scene(const Arguments &a) {
   AtomicFileSet files;
   write_exr(files.add(exr), picture.image, attributes_of(scene, options, *device), {scene.output.spectral});
   write_png(files.add(fs::path(exr).replace_extension(".png")), camera.pixels);
+  if (picture.photon_map) write_photon_map(*picture.photon_map, exr, files, attributes_of(scene, options, *device));
   const nlohmann::json report =
       room_report_json(scene, options, picture.report, *device, develop_seconds, seconds_since(begin));
   files.add(fs::path(exr).replace_extension(".json")).write(report.dump(1) + "\n");
@@ -182,7 +193,8 @@ std::optional<int> render_room_scene(const Arguments &a) {
   if (json) std::cout << nlohmann::json{{"event", "done"}, {"report", report}}.dump() << "\n";
   if (!quiet && !json) {
     print_summary(picture.report, seconds_since(begin));
-    std::cout << "wrote    " << exr.string() << "  .png  .json\n";
+    std::cout << "wrote    " << exr.string() << "  .png  .json"
+              << (picture.photon_map ? "  .photons.exr  .photons.png" : "") << "\n";
   }
   return 0;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "atmosphere/profile.hpp"
+#include "render/photon_picture.hpp"
 #include "render/room_checkpoint.hpp"
 #include "render/room_choices.hpp"
 #include "render/room_error.hpp"
@@ -158,7 +159,11 @@ class Room {
       stop_if_asked();
       show("picture", 0.5);
       if (pass == 0) eye_->find_radii(*tracer_, photons_->mapper());
-      add(eye_->see(pass, *tracer_, photons_->mapper()));
+      const bool shows_map = options_.photon_map > 0 && !out_.photon_map;
+      eye_->keep_ends(shows_map);
+      const RoomPass seen = eye_->see(pass, *tracer_, photons_->mapper());
+      if (shows_map) picture_photons(seen);
+      add(seen);
     } catch (const Error &error) {
       keep_after(error);
     }
@@ -166,6 +171,24 @@ class Room {
     totals_ = statistics_->totals(counts_);
     state_.photons = photons_->totals();
     if (!options_.checkpoint.empty() && seconds_since(last_kept_) >= options_.checkpoint_seconds) keep();
+  }
+
+  /// Both maps share out the dots as they share the photons.
+  void picture_photons(const RoomPass &seen) {
+    PhotonMap &diffuse = photons_->mapper().diffuse(), *caustic = photons_->mapper().caustic();
+    const double all = static_cast<double>(diffuse.filed() + (caustic ? caustic->filed() : 0));
+    PhotonPicture picture(seen.ends, static_cast<std::size_t>(plan_.width()), static_cast<std::size_t>(plan_.samples),
+                          looks_.waves());
+    for (const PhotonMap *map : {&diffuse, caustic}) {
+      if (!map || map->filed() == 0) continue;
+      const double share = static_cast<double>(map->filed()) / all;
+      picture.show(map->read(), static_cast<std::size_t>(share * static_cast<double>(options_.photon_map)));
+    }
+    SpectralImage &image = out_.photon_map.emplace();
+    image.width = plan_.crop[2] - plan_.crop[0], image.height = plan_.crop[3] - plan_.crop[1];
+    image.wavelength_nm = looks_.wavelength_nm;
+    image.radiance = cropped(picture.power(), looks_.waves(), 1);
+    image.channels["photon_count"] = cropped(picture.counts(), 1, 1);
   }
 
   /// An interrupted or failed pass leaves those before it.

@@ -25,6 +25,7 @@ struct RoomOptions {
   /// With one of these: passes until the estimated error of a pixel (RMS, noise and bias, over the mean) is below, or
   /// until the time is up, earlier sessions of the same picture counted; spp and photons are then limits as well.
   std::optional<double> error_pct, minutes;
+  std::int64_t photon_map = 0;  // photons in the picture of the photon map; 0: no such picture
   /// Where to keep what there is; empty: nowhere. Written when `checkpoint_seconds` have passed since the last one and
   /// when the run ends by an interrupt or an error.
   std::filesystem::path checkpoint;
@@ -54,6 +55,9 @@ struct RoomReport {
 struct RoomPicture {
   SpectralImage image;  // channels: depth_m, bend_mrad, photon_count, noise (standard error of the band mean) and bias
   RoomReport report;
+  /// The photon map by itself (render/photon_picture.hpp), of the first pass that was made now: power of the photons in
+  /// each pixel [W/nm]; its channel photon_count is their number. Empty unless asked for.
+  std::optional<SpectralImage> photon_map;
 };
 
 /// The scene's medium for its wavelengths; n = 1 everywhere without one, or when straight.

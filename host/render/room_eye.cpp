@@ -154,6 +154,7 @@ void RoomEye::add_band(const Box &box, const EyeBand &band, PhotonMapper &mapper
   const PassIrradiance light = mapper.ask(first_pixel * samples, points);
   gather_seconds_ += light.gather_seconds;
   for (std::size_t i = 0; i < points.size(); ++i) add_sample(band, light, i, first_pixel + i / samples, out);
+  if (keeps_ends_) out.ends.insert(out.ends.end(), points.begin(), points.end());
   // Kernels of one pixel share their photons: standard errors add up, not variances.
   const std::size_t pixels = points.size() / samples;
   for (std::size_t p = first_pixel; p < first_pixel + pixels; ++p) out.variance[p] *= out.variance[p];

@@ -15,6 +15,7 @@ struct RoomPass {
   std::vector<float> radiance;                          // [pixels][waves]
   std::vector<float> narrower, variance;                // [pixels], as in PassPixels
   std::vector<float> depth_m, bend_mrad, photon_count;  // [pixels]
+  std::vector<GatherPoint> ends;                        // [pixels][samples] of paths, where wanted
 };
 
 class RoomEye {
@@ -33,6 +34,8 @@ class RoomEye {
   const std::vector<int> &lamp_pixels() const { return lamp_pixels_; }  // of the region
   void set_lamp_pixels(std::vector<int> pixels) { lamp_pixels_ = std::move(pixels); }
   double gather_seconds() const { return gather_seconds_; }
+  /// Whether passes from now on tell where paths end.
+  void keep_ends(bool keep) { keeps_ends_ = keep; }
 
   static constexpr int lamp_samples = 64;
 
@@ -57,6 +60,7 @@ class RoomEye {
   std::vector<float> lamps_;           // [pixels][waves], light of lamps in the current pass
   std::vector<int> lamp_pixels_;
   double gather_seconds_ = 0;
+  bool keeps_ends_ = false;
 };
 
 }  // namespace greenray

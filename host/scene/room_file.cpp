@@ -142,6 +142,8 @@ void read_rest(const TomlTable &root, RoomScene &scene) {
   output.read("spectral", scene.output.spectral);
   if (!scene.output.image.empty() && fs::path(scene.output.image).extension() != ".exr")
     output.complain("image", "expected a file name that ends in .exr, found \"" + scene.output.image + "\"");
+  double shown = 0;
+  if (output.read("photon_map", shown, {0, 1e9, "photons"})) scene.photon_map = std::llround(shown);
   output.read("aovs", scene.aovs, {"depth", "photon_count", "bend_mrad", "noise"});
 }
 

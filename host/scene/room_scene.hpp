@@ -102,6 +102,7 @@ struct RoomScene {
   EyeScene eye;
   OutputScene output;
   std::vector<std::string> aovs;
+  std::int64_t photon_map = 0;  // photons in a picture of the photon map; 0: no such picture
   std::vector<std::string> notes;
 };
 
