@@ -130,9 +130,10 @@ void print_summary(const RoomReport &r, double total) {
             << ", eye " << r.eye_seconds << "\n         stored " << p.stored[0] << " diffuse, " << p.stored[1]
             << " caustic, of " << p.photons << " photons in " << r.passes << " passes"
             << (r.resumed_at > 0 ? ", " + std::to_string(r.resumed_at) + " of them from a checkpoint" : "")
-            << "\n         error " << 100 * r.error_rms << " % (noise " << 100 * r.noise_rms << " %, bias "
-            << 100 * r.bias_rms << " %), medium " << r.air_cells << " cells good to " << 1000 * r.table_error_m
-            << " mm\n";
+            << "\n         error " << 100 * r.error_rms << " % of the mean (noise " << 100 * r.noise_rms << " %, bias "
+            << (r.bias_is_seen ? "" : "below ") << 100 * (r.bias_is_seen ? r.bias_rms : r.bias_below) << " %), "
+            << 100 * r.error_of_rms << " % of the RMS; medium " << r.air_cells << " cells good to "
+            << 1000 * r.table_error_m << " mm\n";
 }
 
 /// output.aovs says which channels go into the file; left out, all do.
