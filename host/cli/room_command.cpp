@@ -154,7 +154,13 @@ void write_photon_map(const SpectralImage &map, const fs::path &exr, AtomicFileS
 
 }  // namespace
 
-std::optional<int> render_room_scene(const Arguments &a) {
+std::optional<std::string> room_scene_hash(const Arguments &a) {
+  const auto text = room_text(a.positional()[0], a.positional_place(0));
+  if (!text) return std::nullopt;
+  return room_hash(parse_room(text->first, text->second, a.all("--set")));
+}
+
+std::optional<int> render_room_scene(const Arguments &a, Session &session) {
   const auto begin = Clock::now();
   const auto text = room_text(a.positional()[0], a.positional_place(0));
   if (!text) return std::nullopt;
@@ -162,7 +168,7 @@ std::optional<int> render_room_scene(const Arguments &a) {
   RoomOptions options = options_from(a, scene);
   fs::path exr = a.has("--output") ? fs::path(a.file("--output", ".exr")) : fs::path(scene.output.image);
   if (exr.empty()) exr = fs::path("out") / (scene.name + ".exr");
-  const std::shared_ptr<Device> device = open_device(device_options(a));
+  const std::shared_ptr<Device> device = session.device(a);
   { AtomicFile(exr).write("x"); }  // is there room and right to write there?
   options.checkpoint = fs::path(exr).replace_extension(".grck");
   for (const char *extension : {".exr", ".png", ".json", ".grck", ".photons.exr", ".photons.png"})
@@ -185,8 +191,9 @@ std::optional<int> render_room_scene(const Arguments &a) {
   write_exr(files.add(exr), picture.image, attributes_of(scene, options, *device), {scene.output.spectral});
   write_png(files.add(fs::path(exr).replace_extension(".png")), camera.pixels);
   if (picture.photon_map) write_photon_map(*picture.photon_map, exr, files, attributes_of(scene, options, *device));
-  const nlohmann::json report =
+  nlohmann::json report =
       room_report_json(scene, options, picture.report, *device, develop_seconds, seconds_since(begin));
+  report["key"] = picture_key(a);
   files.add(fs::path(exr).replace_extension(".json")).write(report.dump(1) + "\n");
   stop_if_asked();
   files.commit();

@@ -178,6 +178,7 @@ RoomScene parse_room(const std::string &file, std::string_view text, const std::
   read_room_lights(root, names, scene);
   read_photons(root.table("photons"), scene.photons);
   read_rest(root, scene);
+  scene.sweeps = read_sweeps(document, root);
   document.finish();
   scene.values = document.values();
   return scene;

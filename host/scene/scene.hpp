@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "atmosphere/profile_spec.hpp"
+#include "scene/sweeps.hpp"
 
 namespace greenray {
 
@@ -83,13 +84,6 @@ struct EyeScene {
 struct OutputScene {
   std::string image;     // .exr; empty: out/<scene name>.exr
   bool spectral = true;  // write S0.<nm> channels
-};
-
-struct SweepScene {
-  std::string key;
-  double from = 0, to = 0, step = 0;  // key `range`; all 0 when `values` was given instead
-  std::vector<double> values;         // the pictures to make, in order: as listed, or the range written out
-  SourcePlace place;
 };
 
 struct Scene {

@@ -158,48 +158,6 @@ void read_output(const TomlTable &table, OutputScene &output) {
     table.complain("image", "expected a file name that ends in .exr, found \"" + output.image + "\"");
 }
 
-/// from, from + step, .. as far as to, the end kept against rounding (a millionth of a step).
-void read_range(const TomlTable &table, SweepScene &sweep) {
-  constexpr double most = 1e6;
-  const Limits any{-1e12, 1e12};
-  for (const char *key : {"from", "to", "step"}) table.require(key, any.text());
-  const bool right =
-      table.read("from", sweep.from, any) & table.read("to", sweep.to, any) & table.read("step", sweep.step, any);
-  if (!right) return;
-  const double steps = (sweep.to - sweep.from) / sweep.step;
-  if (sweep.step == 0 || steps < 0)
-    return table.complain("step", "expected a step that leads from `from` to `to`: not 0, and with the right sign");
-  if (steps >= most) return table.complain("step", "expected at most 1000000 pictures");
-  const int count = static_cast<int>(std::floor(steps + 1e-6)) + 1;
-  for (int i = 0; i < count; ++i) sweep.values.push_back(sweep.from + i * sweep.step);
-}
-
-/// A sweep may change any key of a table; whether the value fits shows when `greenray batch` overrides it.
-void check_sweep_key(const TomlDocument &document, const TomlTable &row, const std::string &key) {
-  std::vector<std::string> keys;
-  for (const std::string &known : document.known())
-    if (known.find('.') != std::string::npos && known.rfind("sweep.", 0) != 0) keys.push_back(known);
-  if (std::find(keys.begin(), keys.end(), key) == keys.end())
-    row.complain("key",
-                 "expected a scene key such as sun.altitude_deg, found \"" + key + "\"" + did_you_mean(key, keys));
-}
-
-void read_sweeps(const TomlDocument &document, const TomlTable &root, std::vector<SweepScene> &sweeps) {
-  for (const TomlTable &row : root.rows("sweep")) {
-    SweepScene sweep;
-    sweep.place = row.place();
-    row.require("key", "a scene key such as \"sun.altitude_deg\"");
-    if (row.read("key", sweep.key)) check_sweep_key(document, row, sweep.key);
-    const bool has_range = row.has("range"), has_values = row.has("values");
-    if (has_range && has_values) row.complain("values", "expected either range or values, found both");
-    if (!has_range && !has_values) row.require("range", "{ from = .., to = .., step = .. }, or values = [..]");
-    if (const TomlTable range = row.table("range"); range.exists()) read_range(range, sweep);
-    if (row.read("values", sweep.values, {-1e12, 1e12}) && sweep.values.empty())
-      row.complain("values", "expected at least one number");
-    sweeps.push_back(sweep);
-  }
-}
-
 }  // namespace
 
 Scene parse_scene(const std::string &file, std::string_view text, const std::vector<std::string> &overrides) {
@@ -226,7 +184,7 @@ Scene parse_scene(const std::string &file, std::string_view text, const std::vec
   read_tracing(root.table("tracing"), scene.tracing);
   read_eye(root.table("eye"), scene.eye);
   read_output(root.table("output"), scene.output);
-  read_sweeps(document, root, scene.sweeps);
+  scene.sweeps = read_sweeps(document, root);
   document.finish();
   return scene;
 }
