@@ -78,7 +78,7 @@ std::vector<float> PixelStatistics::bias() const {
   return bias;
 }
 
-double PixelStatistics::Totals::error_rms() const { return std::hypot(noise_rms, bias_is_seen() ? bias_rms : 0); }
+double PixelStatistics::Totals::error_rms() const { return std::hypot(noise_rms, bias_rms); }
 
 PixelStatistics::Totals PixelStatistics::totals(std::span<const unsigned char> counts, std::size_t columns) const {
   const std::vector<float> bias_of = bias();
@@ -108,6 +108,7 @@ PixelStatistics::Totals PixelStatistics::totals(std::span<const unsigned char> c
   totals.noise_rms = std::sqrt(squares / pixels) / level;
   totals.bias_rms = bias_of_difference * std::sqrt(std::max(bias2, 0.0) / pixels) / level;
   totals.bias_below = bias_of_difference * std::sqrt((std::max(bias2, 0.0) + 2 * std::sqrt(scatter)) / pixels) / level;
+  if (totals.bias_rms < 0.7 * totals.bias_below) totals.bias_rms = 0;
   totals.level_rms = std::sqrt(std::max(whole2 - squares, 1e-3 * whole2) / pixels) / level;
   totals.bias = bias_sum / pixels / level;
   return totals;

@@ -36,16 +36,15 @@ class PixelStatistics {
   /// Relative to the mean of all pixels that `counts` (of each pixel; empty: all do).
   struct Totals {
     double noise_rms = 0;   // of a pixel's standard error
-    double bias_rms = 0;    // of a pixel's bias, its own noise taken off; 0 where nothing is left of it
+    double bias_rms = 0;    // of a pixel's bias, its own noise taken off; 0 where that hides it
     double bias_below = 0;  // with what noise may hide: two standard errors of that difference more
     double bias = 0;        // mean, with its sign
     double level_rms = 1;   // of the pixels themselves: light in few of them makes it large
-    /// Noise and, where it can be told from noise, bias.
     double error_rms() const;
     /// The same over the RMS of the picture, as `greenray compare` has it.
     double error_of_rms() const { return error_rms() / level_rms; }
     /// Whether the bias can be told from the noise.
-    bool bias_is_seen() const { return bias_rms > 0.7 * bias_below; }
+    bool bias_is_seen() const { return bias_rms > 0; }
   };
   /* bias_rms: the noise of the difference d of the two kernels is known from pass to pass (from one pass alone: half of
      its variance, the share for this pair of Epanechnikov kernels and even photons), so that the mean of d^2 without
