@@ -267,6 +267,7 @@ std::vector<Flag> render_flags() {
           {"--set", "-D", "KEY=VALUE", "override any scene key, repeatable", false, true},
           {"--spp", "", "N", "samples a pixel"},
           {"--photons", "", "N", "rooms: photons in all"},
+          {"--photon-map", "", "N", "rooms: N photons of the map as dots, in OUT.photons.png and .exr"},
           {"--error", "", "PCT", "stop when the noise (rooms: noise and bias) is below this percentage"},
           {"--minutes", "", "M", "stop after this time"},
           {"--resume", "", "", "rooms: go on from OUT.grck, or fail; the default when it is there and fits"},

@@ -3,12 +3,14 @@
 #include <optional>
 
 #include "atmosphere/index_table.hpp"
+#include "atmosphere/layer_table.hpp"
 #include "twin/twin.hpp"
 
 namespace greenray {
 
 /// One ray of a row of the table to its end; local error 1e-12 rad a step.
-f64::RayEnd trace_on_host(const IndexTable &table, std::size_t row, double height_m, double elevation_rad);
+f64::RayEnd trace_on_host(const IndexTable &table, std::size_t row, double height_m, double elevation_rad,
+                          const LayerAbsorbers &absorbers = {});
 
 /// Apparent altitude [rad] of the lowest ray below 1 degree that still reaches space, above the topmost one that does
 /// not; nothing when no ray meets the ground.
