@@ -49,6 +49,7 @@ std::string build_options(const BuildPlan &plan) {
          " -DTABLE_IS_IMAGE=" + (plan.table_is_image ? "1" : "0") +
          " -DINTEGRATOR_IS_RICHARDSON=" + (plan.richardson ? "1" : "0") +
          " -DWITH_COLUMNS=" + (plan.with_columns ? "1" : "0") +
+         " -DMEDIUM_VARIES=" + (plan.medium_varies ? "1" : "0") +
          (plan.sky_waves ? " -DSKY_WAVES=" + std::to_string(plan.sky_waves) : "") + plan.words;
 }
 

@@ -14,6 +14,7 @@ struct BuildPlan {
   bool table_is_image = false;
   bool richardson = false;
   bool with_columns = true;
+  bool medium_varies = false;  // along the surface
   int sky_waves = 0;       // shade_sky: wavelengths, padded to whole groups of lanes
   std::string words = {};  // " -DNAME=VALUE" of one entry alone
 };
