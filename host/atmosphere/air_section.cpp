@@ -62,8 +62,8 @@ void add_points(const AlongSurface &quantity, std::vector<double> &points_m) {
 
 bool varies_along_surface(const ProfileSpec &spec) {
   const auto differs = [&](const Station &s) { return !same_air(*s.air, *spec.stations.front().air); };
-  return std::any_of(spec.inversions.begin(), spec.inversions.end(), varies) ||
-         std::any_of(spec.stations.begin(), spec.stations.end(), differs);
+  return spec.exaggerate != 0 && (std::any_of(spec.inversions.begin(), spec.inversions.end(), varies) ||
+                                  std::any_of(spec.stations.begin(), spec.stations.end(), differs));
 }
 
 bool has_places(const ProfileSpec &spec) {

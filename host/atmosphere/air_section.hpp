@@ -7,7 +7,7 @@
 
 namespace greenray {
 
-/// Does anything change with x? Not where all values of a list are alike, nor where an inversion of 0 K moves.
+/// Does n change with x? Not where all values of a list are alike, where an inversion of 0 K moves, or where n is 1.
 bool varies_along_surface(const ProfileSpec &spec);
 
 /// Does the profile speak of x at all, whether or not anything changes with it?

@@ -14,9 +14,10 @@ constexpr double vapour_deficit = 1 - 18.01528 / us76::molar_mass_kg_kmol;  // 0
 
 ProfileSpec checked(const ProfileSpec &spec) {
   if (varies_along_surface(spec))
-    throw InputError(spec.place,
-                     "this air varies along the surface (x_m): expected air that depends on height alone here, with one "
-                     "number for delta_T_K, height_m and diffuseness_m, and no two different [[station]] rows");
+    throw InputError(
+        spec.place,
+        "this air varies along the surface (x_m): expected air that depends on height alone here, with one "
+        "number for delta_T_K, height_m and diffuseness_m, and no two different [[station]] rows");
   return frozen_at(spec, 0);
 }
 

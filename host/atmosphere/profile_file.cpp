@@ -178,12 +178,12 @@ std::vector<Station> read_stations(TomlDocument &document, const TomlTable &root
     Station station;
     station.place = row.place();
     const bool right = row.require("x_m", distance.text()) && row.read("x_m", station.x_m, distance);
-    const bool named = row.require("profile", "the name of a profile or a sounding") &&
-                       row.read("profile", station.file);
+    const bool named =
+        row.require("profile", "the name of a profile or a sounding") && row.read("profile", station.file);
     if (!right || !named) continue;
     if (!stations.empty() && !(station.x_m > stations.back().x_m))
-      row.complain("x_m", "expected distances to ascend from station to station, found " +
-                              exact_decimal(station.x_m) + " m after " + exact_decimal(stations.back().x_m) + " m");
+      row.complain("x_m", "expected distances to ascend from station to station, found " + exact_decimal(station.x_m) +
+                              " m after " + exact_decimal(stations.back().x_m) + " m");
     try {
       station.air = read_station_air(row, station.file, folder);
       stations.push_back(std::move(station));

@@ -93,7 +93,7 @@ struct ProfileSpec {
   std::optional<double> azimuth_deg;                   // of the direction of x, from north through east
   std::vector<Station> stations;                       // ascending x_m; exclude levels and surface layers
   std::vector<AirShare> blend;                         // stations at one place (frozen_at); not in files
-  std::vector<std::string> notes;        // repairs an importer made, one sentence each
+  std::vector<std::string> notes;                      // repairs an importer made, one sentence each
   SourcePlace place;
 };
 

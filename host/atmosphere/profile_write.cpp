@@ -59,8 +59,8 @@ std::string write_profile(const ProfileSpec &spec) {
   if (spec.stations.empty()) line("smooth_m", spec.smooth_m);
   line("exaggerate", spec.exaggerate);
   if (has_places(spec))
-    text += std::string("along_surface = \"") + (spec.along_surface == Interpolation::cubic ? "cubic" : "linear") +
-            "\"\n";
+    text +=
+        std::string("along_surface = \"") + (spec.along_surface == Interpolation::cubic ? "cubic" : "linear") + "\"\n";
   if (spec.azimuth_deg) line("azimuth_deg", *spec.azimuth_deg);
   for (const Station &station : spec.stations) {
     text += "\n[[station]]\n";

@@ -171,7 +171,10 @@ class ColumnBuilder {
     for (std::size_t j = 0; j < strata_.size(); ++j) base[j] = value(strata_[j], bottom_h);
     put(c.base, base);
     const LayeredMedium &middle = between_.empty() ? strata_.front() : between_.back();
-    for (std::size_t i = 0; i < 4; ++i) rho[i] = middle.density_kg_m3(geometric(z0 + dz * gauss_place[i]));
+    for (std::size_t i = 0; i < 4; ++i) {
+      const double h = geometric(z0 + dz * gauss_place[i]), u = value(middle, h);
+      rho[i] = u != 0 ? middle.density_kg_m3(h) / u : 0;
+    }
     const Cubic d = cubic_through(rho);
     std::copy(d.begin(), d.end(), c.density);
     double steepest = 1e-9;  // a longer path could leave the cell by curvature alone and come back unseen
@@ -235,7 +238,7 @@ std::vector<Interval> place_columns(const SectionMedium &medium, double waveleng
 
 /// One section: columns and cells appended to the table. Returns the number of columns.
 std::size_t add_section(SectionTable &table, const SectionMedium &medium, double wavelength_nm,
-                 const SectionTableOptions &options) {
+                        const SectionTableOptions &options) {
   std::vector<Interval> columns;
   const bool varies = medium.points_m.size() >= 2;
   const double first_m = varies ? medium.points_m.front() : 0, last_m = varies ? medium.points_m.back() : 0;
@@ -332,9 +335,8 @@ double SectionTable::refractivity(std::size_t row, double z_m, double x_m) const
   const SectionCellData &cell = cells[c.first_cell + find_cell(c, z_m)];
   const double s = c.width_m > 0 ? (x_m - c.left_m) / c.width_m : 0, t = (z_m - cell.bottom_m) / cell.thickness_m;
   const auto in_s = [s](const double *k) { return k[0] + s * (k[1] + s * (k[2] + s * k[3])); };
-  const double integral =
-      t * (in_s(cell.slope) +
-           t * (in_s(cell.slope + 4) / 2 + t * (in_s(cell.slope + 8) / 3 + t * in_s(cell.slope + 12) / 4)));
+  const double integral = t * (in_s(cell.slope) + t * (in_s(cell.slope + 4) / 2 +
+                                                       t * (in_s(cell.slope + 8) / 3 + t * in_s(cell.slope + 12) / 4)));
   return rows[row].factor * (in_s(cell.base) + cell.thickness_m * integral);
 }
 

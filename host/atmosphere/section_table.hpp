@@ -45,11 +45,11 @@ struct SectionTable {
 
 /// Any medium over a path, for the builder: air, or a closed form in a test.
 struct SectionMedium {
-  std::function<LayeredMedium(double x_m)> at;          // what stands over one place
-  std::vector<double> points_m;                         // as AirSection::points_m
-  std::function<double(double wavelength_nm)> factor;   // (n-1)/(n-1 at 550 nm), everywhere the same; none: not so
-  double top_m = 0, radius_m = 0;                       // as in LayeredMedium
-  SourcePlace place;                                    // for complaints
+  std::function<LayeredMedium(double x_m)> at;         // what stands over one place
+  std::vector<double> points_m;                        // as AirSection::points_m
+  std::function<double(double wavelength_nm)> factor;  // (n-1)/(n-1 at 550 nm), everywhere the same; none: not so
+  double top_m = 0, radius_m = 0;                      // as in LayeredMedium
+  SourcePlace place;                                   // for complaints
 };
 
 SectionMedium section_medium(const AirSection &air, bool flat);

@@ -40,7 +40,8 @@ double azimuth_from_path_rad(const Arguments &arguments, const ProfileSpec &air)
 
 std::string solver_words(const ProfileSpec &air, bool section) {
   if (!section) return "layers, for nothing varies along the surface";
-  return varies_along_surface(air) ? "adaptive, for the air varies along the surface" : "adaptive, though nothing varies";
+  return varies_along_surface(air) ? "adaptive, for the air varies along the surface"
+                                   : "adaptive, though nothing varies";
 }
 
 CommandSpec with_common(CommandSpec spec) {

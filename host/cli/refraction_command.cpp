@@ -109,19 +109,21 @@ int run(const Arguments &a) {
 }  // namespace
 
 Command refraction_command() {
-  return {with_common({"refraction",
-                       "PROFILE",
-                       "Refraction of rays that reach the eye: table over apparent altitude and wavelength.",
-                       {{"--height", "", "M", "eye above the surface [m]", true},
-                        {"--altitudes", "", "LIST", "apparent altitudes [deg]: a,b,c or FROM:TO:STEP", true},
-                        {"--wavelengths", "", "LIST", "vacuum wavelengths [nm]", true},
-                        {"--precision", "", "P", "float | double (default)"},
-                        {"--method", "", "M", "auto | cells: layers in closed form | rk | richardson | section: as if it varied"},
-                        {"--azimuth", "", "DEG", "where the eye looks, from north (the profile's azimuth_deg; else from the path)"},
-                        {"--tolerance", "", "ARCSEC", "bound of the error of refraction_arcsec, table included"},
-                        {"--format", "", "F", "csv (default) | json"},
-                        {"--output", "-o", "FILE", "write to a file"}}}),
-          run};
+  return {
+      with_common(
+          {"refraction",
+           "PROFILE",
+           "Refraction of rays that reach the eye: table over apparent altitude and wavelength.",
+           {{"--height", "", "M", "eye above the surface [m]", true},
+            {"--altitudes", "", "LIST", "apparent altitudes [deg]: a,b,c or FROM:TO:STEP", true},
+            {"--wavelengths", "", "LIST", "vacuum wavelengths [nm]", true},
+            {"--precision", "", "P", "float | double (default)"},
+            {"--method", "", "M", "auto | cells: layers in closed form | rk | richardson | section: as if it varied"},
+            {"--azimuth", "", "DEG", "where the eye looks, from north (the profile's azimuth_deg; else from the path)"},
+            {"--tolerance", "", "ARCSEC", "bound of the error of refraction_arcsec, table included"},
+            {"--format", "", "F", "csv (default) | json"},
+            {"--output", "-o", "FILE", "write to a file"}}}),
+      run};
 }
 
 }  // namespace greenray::cli

@@ -98,22 +98,24 @@ int run(const Arguments &a) {
 }  // namespace
 
 Command trace_command() {
-  return {with_common({"trace",
-                       "PROFILE",
-                       "Rays from the eye: height, elevation, bending and optical path at distances along the surface.",
-                       {{"--height", "", "M", "eye above the surface [m]", true},
-                        {"--altitudes", "", "LIST", "apparent altitudes [deg]: a,b,c or FROM:TO:STEP", true},
-                        {"--wavelengths", "", "LIST", "vacuum wavelengths [nm]", true},
-                        {"--distances", "", "LIST", "distances along the surface [m]", true},
-                        {"--surface", "", "S", "sphere (default) | flat"},
-                        {"--precision", "", "P", "float | double (default)"},
-                        {"--method", "", "M", "auto | cells: layers in closed form | rk | richardson | section: as if it varied"},
-                        {"--azimuth", "", "DEG", "where the eye looks, from north (the profile's azimuth_deg; else from the path)"},
-                        {"--tolerance", "", "ARCSEC", "local accuracy of direction"},
-                        {"--plot", "", "FILE.svg", "draw the rays, height against distance"},
-                        {"--format", "", "F", "csv (default) | json"},
-                        {"--output", "-o", "FILE", "write to a file"}}}),
-          run};
+  return {
+      with_common(
+          {"trace",
+           "PROFILE",
+           "Rays from the eye: height, elevation, bending and optical path at distances along the surface.",
+           {{"--height", "", "M", "eye above the surface [m]", true},
+            {"--altitudes", "", "LIST", "apparent altitudes [deg]: a,b,c or FROM:TO:STEP", true},
+            {"--wavelengths", "", "LIST", "vacuum wavelengths [nm]", true},
+            {"--distances", "", "LIST", "distances along the surface [m]", true},
+            {"--surface", "", "S", "sphere (default) | flat"},
+            {"--precision", "", "P", "float | double (default)"},
+            {"--method", "", "M", "auto | cells: layers in closed form | rk | richardson | section: as if it varied"},
+            {"--azimuth", "", "DEG", "where the eye looks, from north (the profile's azimuth_deg; else from the path)"},
+            {"--tolerance", "", "ARCSEC", "local accuracy of direction"},
+            {"--plot", "", "FILE.svg", "draw the rays, height against distance"},
+            {"--format", "", "F", "csv (default) | json"},
+            {"--output", "-o", "FILE", "write to a file"}}}),
+      run};
 }
 
 }  // namespace greenray::cli

@@ -15,8 +15,8 @@ struct BuildPlan {
   bool richardson = false;
   bool with_columns = true;
   bool medium_varies = false;  // along the surface
-  int sky_waves = 0;       // shade_sky: wavelengths, padded to whole groups of lanes
-  std::string words = {};  // " -DNAME=VALUE" of one entry alone
+  int sky_waves = 0;           // shade_sky: wavelengths, padded to whole groups of lanes
+  std::string words = {};      // " -DNAME=VALUE" of one entry alone
 };
 
 std::string build_options(const BuildPlan &plan);

@@ -17,8 +17,8 @@ inline double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-/// Start, End: as the device holds them. narrow: a start of `all` -> Start. launch(starts, ends, count) runs the kernel;
-/// note(end) takes each End, in order.
+/// Start, End: as the device holds them. narrow: a start of `all` -> Start. launch(starts, ends, count) runs the
+/// kernel; note(end) takes each End, in order.
 template <class Start, class End, class Wide, class Narrow, class Launch, class Note>
 void trace_in_batches(Device::State &device, std::span<const Wide> all, const std::function<void()> &between_batches,
                       Narrow narrow, Launch launch, Note note) {

@@ -11,8 +11,8 @@ namespace {
 
 f32_section::RayStart narrowed(const f64_section::RayStart &s) {
   const auto f = [](double x) { return static_cast<float>(x); };
-  return {f(s.above_m), f(s.run),   f(s.rise),     f(s.sigma_end_m), s.row,
-          s.cell,       s.column,   f(s.along_m),  f(s.course),      f(s.beam)};
+  return {f(s.above_m), f(s.run), f(s.rise),    f(s.sigma_end_m), s.row,
+          s.cell,       s.column, f(s.along_m), f(s.course),      f(s.beam)};
 }
 
 f64_section::RayEnd widened(const f64_section::RayEnd &e) { return e; }
@@ -53,9 +53,10 @@ struct SectionTracer::State {
       : owner(std::move(d)),
         device(owner->state()),
         options(o),
-        table_memory(device, table.cells.size() * (is_double() ? sizeof(f64_section::SectionCell)
-                                                               : sizeof(f32_section::SectionCell)),
-                     "the section table") {
+        table_memory(
+            device,
+            table.cells.size() * (is_double() ? sizeof(f64_section::SectionCell) : sizeof(f32_section::SectionCell)),
+            "the section table") {
     if (is_double() && !device.info.has_double)
       throw DeviceError(device.info.name + " has no double precision: try --precision float or another --device");
     options.absorbers.earth_curvature_per_m = table.curvature_per_m;

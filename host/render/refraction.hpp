@@ -29,7 +29,7 @@ struct RefractionRow {
   double min_height_m, max_height_m;
   std::optional<double> ground_distance_m;
   int turning_points;
-  double error_arcsec;  // bound: see refraction_table
+  double error_arcsec;         // bound: see refraction_table
   double sideways_arcsec = 0;  // out of the vertical plane, clockwise; of air that varies
 };
 
@@ -60,7 +60,7 @@ struct TraceRequest {
   RayMethod method = RayMethod::cells;
   double tolerance_arcsec = 1e-4;
   bool flat = false;
-  bool section = false;    // as in RefractionRequest
+  bool section = false;  // as in RefractionRequest
   double azimuth_rad = 0;
 };
 

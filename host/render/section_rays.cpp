@@ -11,8 +11,7 @@ namespace greenray {
 f64_section::RayStart launch(const SectionTable &table, std::size_t row, const SectionEye &eye, double elevation_rad,
                              double azimuth_rad, double distance_m) {
   const double z_m = f64::flattened_height_m(eye.height_m, table.curvature_per_m);
-  const double index =
-      std::exp(std::log1p(table.refractivity(row, z_m, eye.x_m)) + z_m * table.curvature_per_m);
+  const double index = std::exp(std::log1p(table.refractivity(row, z_m, eye.x_m)) + z_m * table.curvature_per_m);
   const std::size_t column = table.find_column(row, eye.x_m);
   const SectionColumnData &c = table.column(row, column);
   const std::size_t cell = table.find_cell(c, z_m);

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "compute/layer_tracer.hpp"
+#include "render/host_rays.hpp"
 #include "render/launch.hpp"
 #include "render/renderer.hpp"
 #include "render/section_rays.hpp"
@@ -52,7 +53,8 @@ struct SkyRays::State {
   }
 
   double index_error_arcsec() const {
-    return options.method == RayMethod::cells && !section ? std::max(options.error_arcsec / 30, 1e-9) : options.error_arcsec;
+    return options.method == RayMethod::cells && !section ? std::max(options.error_arcsec / 30, 1e-9)
+                                                          : options.error_arcsec;
   }
 
   const LayerTable &layers() {
@@ -113,6 +115,11 @@ std::vector<f64::RayEnd> SkyRays::trace(std::span<const double> elevations_rad) 
 }
 
 const LayerTable &SkyRays::layers() { return state_->layers(); }
+HostRay SkyRays::on_host(std::size_t row) const {
+  if (varies()) return host_ray(*state_->section, row, {options().place_m, options().height_m}, options().azimuth_rad);
+  return [this, row](double e) { return trace_on_host(table(), row, options().height_m, e); };
+}
+
 const IndexTable &SkyRays::table() const { return state_->table; }
 const SectionTable &SkyRays::section() const { return *state_->section; }
 bool SkyRays::varies() const { return state_->section.has_value(); }

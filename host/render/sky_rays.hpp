@@ -56,7 +56,9 @@ class SkyRays {
 
   const IndexTable &table() const;      // the one the method reads; of air that varies:
   const SectionTable &section() const;  // this one
-  double index_error_arcsec() const;    // that `table` was asked for
+  /// The same rays in double on the host, through the same table. Valid as long as this.
+  std::function<f64::RayEnd(double elevation_rad)> on_host(std::size_t row) const;
+  double index_error_arcsec() const;  // that `table` was asked for
   std::size_t cells() const;          // of that table, or layers, per wavelength
   const TraceStats &stats() const;
   bool table_in_image() const;

@@ -12,10 +12,9 @@ struct SolverChoice {
   std::string why;
 };
 
-/// method: "auto", "cells", "rk", "richardson" or "section". The layered solvers serve wherever nothing varies along the
-/// surface; "section", and "rk" or "richardson" for a profile that speaks of places x_m, step through the section all
-/// the same.
-/// errors: InputError at asked_at for cells and air that varies
+/// method: "auto", "cells", "rk", "richardson" or "section". The layered solvers serve wherever nothing varies along
+/// the surface; "section", and "rk" or "richardson" for a profile that speaks of places x_m, step through the section
+/// all the same. errors: InputError at asked_at for cells and air that varies
 SolverChoice choose_solver(const ProfileSpec &air, const std::string &method, const SourcePlace &asked_at);
 
 }  // namespace greenray

@@ -37,9 +37,9 @@ DEVICE int find_section_cell(SectionTable table, SectionColumn column, scalar z_
   return low;
 }
 
-/* d(ln n)/dz and d(ln n)/dx [1/m], d2(ln n)/dz dt [1/m], and n - 1. */
+/* d(ln n)/dz and d(ln n)/dx [1/m], d2(ln n)/dz dt [1/m]; n - 1 and u. */
 typedef struct SectionPoint {
-  real up, along, up_slope, refractivity;
+  real up, along, up_slope, refractivity, u;
 } SectionPoint;
 
 DEVICE real cubic(const real *c, real s) { return c[0] + s * (c[1] + s * (c[2] + s * c[3])); }
@@ -56,7 +56,8 @@ DEVICE SectionPoint section_at(const CellLanes *c, real t, real s, real per_widt
   const real integral_change =
       t * (change[0] + t * (R(0.5) * change[1] + t * (R(1.0 / 3) * change[2] + t * R(0.25) * change[3])));
   SectionPoint p;
-  p.refractivity = factor * (cubic(c->base, s) + c->thickness_m * integral);
+  p.u = cubic(c->base, s) + c->thickness_m * integral;
+  p.refractivity = factor * p.u;
   const real log_factor = factor / (R(1) + p.refractivity);
   p.up = log_factor * cubic(at, t);
   p.up_slope = log_factor * cubic_slope(at, t);
@@ -64,4 +65,5 @@ DEVICE SectionPoint section_at(const CellLanes *c, real t, real s, real per_widt
   return p;
 }
 
-DEVICE real air_density(const CellLanes *c, real t) { return cubic(c->density, t); }
+/* [kg/m^3] */
+DEVICE real section_density(const CellLanes *c, real t, real u) { return cubic(c->density, t) * u; }

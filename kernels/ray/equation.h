@@ -56,11 +56,11 @@ typedef struct Medium {
 
 #if WITH_COLUMNS
 /* Path densities of air, ozone and aerosol times d(path)/d(sigma). */
-DEVICE void column_slope(const Medium *m, real t, real above_m, real momentum2, RaySlope *slope) {
+DEVICE void column_slope(const Medium *m, real density_kg_m3, real above_m, real momentum2, RaySlope *slope) {
   const real z_m = m->cell.bottom_m + above_m;
   const real path = exponential(z_m * m->absorbers.earth_curvature_per_m) * root(momentum2);
   const real from_peak = (z_m - m->absorbers.ozone_peak_m) / m->absorbers.ozone_width_m;
-  slope->column[0] = air_density(&m->cell, t) * path;
+  slope->column[0] = density_kg_m3 * path;
   slope->column[1] = exponential(R(-0.5) * from_peak * from_peak) * path;
   slope->column[2] = exponential(-z_m / m->absorbers.aerosol_scale_m) * path;
 }
@@ -98,7 +98,7 @@ DEVICE RaySlope derivative(const Medium *m, const RayPlace *at) {
   slope.bending_rad = at->rise * medium.along * ahead - run * medium.up;
   slope.optical_path_m = momentum2;
 #if WITH_COLUMNS
-  column_slope(m, t, at->above_m, momentum2, &slope);
+  column_slope(m, section_density(&m->cell, t, medium.u), at->above_m, momentum2, &slope);
 #endif
   return slope;
 }
@@ -113,7 +113,7 @@ DEVICE RaySlope derivative(const Medium *m, real above_m, real rise) {
   slope.bending_rad = -m->run * gradient;
   slope.optical_path_m = momentum2;
 #if WITH_COLUMNS
-  column_slope(m, t, above_m, momentum2, &slope);
+  column_slope(m, air_density(&m->cell, t), above_m, momentum2, &slope);
 #endif
   return slope;
 }

@@ -114,7 +114,8 @@ DEVICE mask turned_where_nothing_varies(March *w, mask turned) {
   return w->uniform_turns;
 }
 
-/* Run as it is at the end; sigma so that run sigma is the distance; drift as the angle out of the plane of departure. */
+/* Run as it is at the end; sigma so that run sigma is the distance; drift as the angle out of the plane of departure.
+ */
 DEVICE void finish_beside(March *w) {
   w->medium.run += w->y.run_change;
   const real run = w->medium.run, rise = w->y.rise;

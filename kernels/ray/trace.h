@@ -84,8 +84,7 @@ DEVICE real sigma_to_edge(const Medium *m, const RayState *y, const RaySlope *sl
   real s = R(2) * distance / (denominator != R(0) ? denominator : SPREAD(1));
 
   const real momentum2 = slope->optical_path_m;
-  const real jerk =
-      p * (R(2) * force * force / momentum2 + momentum2 * gradient_change(m, y) / m->cell.thickness_m);
+  const real jerk = p * (R(2) * force * force / momentum2 + momentum2 * gradient_change(m, y) / m->cell.thickness_m);
   for (int i = 0; i < 2; ++i) {
     const real miss = distance - s * (p + s * (R(0.5) * force + s * R(1.0 / 6) * jerk));
     const real velocity = p + s * (force + s * R(0.5) * jerk);
