@@ -5,6 +5,7 @@
 
 #include "render/host_rays.hpp"
 #include "render/renderer.hpp"
+#include "render/solver_choice.hpp"
 #include "render/spectrum.hpp"
 #include "render/sun_place.hpp"
 #include "support/angle.hpp"
@@ -75,14 +76,23 @@ constexpr double float_arcsec = 0.005;  // what float leaves uncertain at the ho
 void choose_solver(const Scene &scene, const RenderOptions &options, RenderPlan &plan) {
   using Method = TracingScene::Method;
   const TracingScene &t = scene.tracing;
-  plan.method = t.method == Method::richardson ? RayMethod::richardson
-                : t.method == Method::rk45     ? RayMethod::dormand_prince
-                                               : RayMethod::cells;
+  const ProfileSpec air = spec_for(scene, options);
+  const SolverChoice choice = choose_solver(air,
+                                            t.method == Method::richardson ? "richardson"
+                                            : t.method == Method::rk45     ? "rk"
+                                            : t.method == Method::cells    ? "cells"
+                                                                           : "auto",
+                                            air.place);
+  plan.method = choice.method;
+  plan.section = choice.section;
+  plan.azimuth_from_path_rad = azimuth_from_path_rad(scene);
   const bool constant = options.straight || scene.atmosphere.profile.exaggerate == 0;
-  const std::string why = t.method != Method::automatic ? "tracing.method asks for it"
-                          : constant                    ? "n is constant: the closed form of a straight line"
-                                                        : "n depends on height alone: layers in closed form";
-  plan.choices.push_back({"solver", method_name(plan.method), why, constant ? 0 : t.table_arcsec, "arcsec"});
+  const std::string why = has_places(air) && !constant    ? choice.why
+                          : t.method != Method::automatic ? "tracing.method asks for it"
+                          : constant                      ? "n is constant: the closed form of a straight line"
+                                                          : "n depends on height alone: layers in closed form";
+  plan.choices.push_back(
+      {"solver", plan.section ? "adaptive" : method_name(plan.method), why, constant ? 0 : t.table_arcsec, "arcsec"});
 
   const bool fine_pixels = plan.pixel_arcsec < 20 * float_arcsec;
   const bool asked = t.precision != TracingScene::Precision::automatic;
@@ -102,23 +112,34 @@ void choose_solver(const Scene &scene, const RenderOptions &options, RenderPlan 
        plan.per_pixel ? 0 : t.table_arcsec, "arcsec"});
 }
 
+/// Of the outermost wavelengths, through a coarse table.
+std::array<HostRay, 2> outermost_rays(const Scene &scene, const RenderOptions &options, const RenderPlan &plan) {
+  const AirSection air(spec_for(scene, options));
+  const double height_m = scene.observer.height_m, error_arcsec = 0.01;
+  const bool flat = scene.atmosphere.surface == Surface::flat;
+  const std::vector<double> ends{plan.wavelengths_nm.front(), plan.wavelengths_nm.back()};
+  if (plan.section) {
+    const SectionTable table = build_section_table(section_medium(air, flat), ends, {error_arcsec, height_m});
+    return {host_ray(table, 0, {0, height_m}, plan.azimuth_from_path_rad),
+            host_ray(table, 1, {0, height_m}, plan.azimuth_from_path_rad)};
+  }
+  const IndexTable table = build_index_table(air.at(0), ends, {flat, error_arcsec, height_m});
+  return {host_ray(table, 0, height_m), host_ray(table, 1, height_m)};
+}
+
 /// How far apart the picture's outermost wavelengths are seen, at most, over elevations across the picture and just
 /// above its horizon.
 double dispersion_arcsec(const Scene &scene, const RenderOptions &options, const RenderPlan &plan) {
-  const Profile profile(spec_for(scene, options));
-  const double height_m = scene.observer.height_m;
-  const std::vector<double> ends{plan.wavelengths_nm.front(), plan.wavelengths_nm.back()};
-  const IndexTable table =
-      build_index_table(profile, ends, {scene.atmosphere.surface == Surface::flat, 0.01, height_m});
+  const std::array<HostRay, 2> rays = outermost_rays(scene, options, plan);
   const double low = to_rad(plan.first_elevation_deg);
   const double high = low + from_arcsec(plan.spacing_arcsec) * static_cast<double>(plan.entries - 1);
   std::vector<double> elevations;
   for (int i = 0; i <= 8; ++i) elevations.push_back(low + (high - low) * i / 8);
-  if (const auto horizon = horizon_rad(table, height_m))
+  if (const auto horizon = horizon_rad(rays[0]))
     if (*horizon > low && *horizon < high) elevations.push_back(*horizon + from_arcsec(10));
   double widest = 0;
   for (double e : elevations) {
-    const f64::RayEnd a = trace_on_host(table, 0, height_m, e), b = trace_on_host(table, 1, height_m, e);
+    const f64::RayEnd a = rays[0](e), b = rays[1](e);
     if (a.outcome == b.outcome) widest = std::max(widest, std::abs(a.bending_rad - b.bending_rad));
   }
   return to_arcsec(widest);
@@ -148,7 +169,9 @@ void choose_wavelengths(const Scene &scene, const RenderOptions &options, Render
 void explain(const Scene &scene, const RenderOptions &options, RenderPlan &plan) {
   auto &did = plan.modelled, &left = plan.left_out;
   if (options.straight) left.push_back("bending: --straight");
-  else did.push_back("bent rays: the index varies with height");
+  else
+    did.push_back(plan.section ? "bent rays: the index varies with height and along the surface"
+                               : "bent rays: the index varies with height");
   if (plan.bent_nm.size() > 1) did.push_back("dispersion: " + std::to_string(plan.bent_nm.size()) + " wavelengths");
   else
     left.push_back(plan.wavelengths_nm.size() > 1

@@ -30,16 +30,17 @@ class Renderer {
         plan_(plan),
         options_(options),
         device_(std::move(device)),
-        profile_(spec_for(scene, options)),
+        air_(spec_for(scene, options)),
         flat_(scene.atmosphere.surface == Surface::flat) {}
 
   Rendered run() {
     const auto begin = Clock::now();
     progress("table", 0);
-    reference_ = reference_table(scene_, profile_);
-    rays_.emplace(profile_, plan_.bent_nm, ray_options(), device_);
+    reference_ = reference_ray(scene_, air_);
+    if (plan_.section) rays_.emplace(air_, plan_.bent_nm, ray_options(), device_);
+    else rays_.emplace(air_.at(0), plan_.bent_nm, ray_options(), device_);
     report_.table_cells = rays_->cells();
-    report_.table_bound_arcsec = rays_->table().bound_arcsec;
+    report_.table_bound_arcsec = rays_->table_bound_arcsec();
     place_sun();
     measure_table();
     report_.build_seconds = seconds_since(begin);
@@ -57,12 +58,12 @@ class Renderer {
   }
 
   void place_sun() {
-    const std::optional<double> horizon = horizon_rad(reference_, scene_.observer.height_m);
+    const std::optional<double> horizon = horizon_rad(reference_);
     if (horizon) report_.horizon_altitude_deg = to_deg(*horizon);
     sun_ = place_of_sun(scene_, reference_);
     if (!sun_.shines) return;
     report_.sun_true_altitude_deg = to_deg(sun_.true_altitude_rad);
-    if (const auto seen = apparent_altitude_rad(reference_, scene_.observer.height_m, sun_.true_altitude_rad, horizon))
+    if (const auto seen = apparent_altitude_rad(reference_, sun_.true_altitude_rad, horizon))
       report_.sun_apparent_altitude_deg = to_deg(*seen);
   }
 
@@ -70,9 +71,8 @@ class Renderer {
   /// layers: the device's rays against those in double by steps through the same table.
   void measure_table() {
     const std::size_t row = plan_.bent_nm.size() / 2;
-    const IndexTable &table = rays_->table();
-    const IndexTable fine = build_index_table(profile_, {plan_.bent_nm[row]},
-                                              {flat_, rays_->index_error_arcsec() / 30, scene_.observer.height_m});
+    const HostRay through_table = rays_->on_host(row);
+    const HostRay through_fine = finer_ray(plan_.bent_nm[row]);
     std::vector<double> elevations;
     for (int i = 0; i < 48; ++i)
       elevations.push_back(to_rad(plan_.first_elevation_deg) +
@@ -83,10 +83,22 @@ class Renderer {
         worst = std::max(worst, to_arcsec(std::abs(a.bending_rad - b.bending_rad)));
     };
     for (std::size_t i = 0; i < elevations.size(); ++i) {
-      const f64::RayEnd a = trace_on_host(table, row, scene_.observer.height_m, elevations[i]);
-      worse(report_.table_arcsec, a, trace_on_host(fine, 0, scene_.observer.height_m, elevations[i]));
-      if (plan_.method == RayMethod::cells) worse(report_.solver_arcsec, a, ours[i * plan_.bent_nm.size() + row]);
+      const f64::RayEnd a = through_table(elevations[i]);
+      worse(report_.table_arcsec, a, through_fine(elevations[i]));
+      if (measures_solver()) worse(report_.solver_arcsec, a, ours[i * plan_.bent_nm.size() + row]);
     }
+  }
+
+  /// Steps through layers tell their own error, an upper bound; that of the others is measured.
+  bool measures_solver() const { return plan_.method == RayMethod::cells || plan_.section; }
+
+  /// Rays through a much finer table.
+  HostRay finer_ray(double wavelength_nm) const {
+    const double height_m = scene_.observer.height_m, error_arcsec = rays_->index_error_arcsec() / 30;
+    if (!plan_.section)
+      return host_ray(build_index_table(air_.at(0), {wavelength_nm}, {flat_, error_arcsec, height_m}), 0, height_m);
+    return host_ray(build_section_table(section_medium(air_, flat_), {wavelength_nm}, {error_arcsec, height_m}), 0,
+                    {0, height_m}, plan_.azimuth_from_path_rad);
   }
 
   SkyRayOptions ray_options() const {
@@ -94,6 +106,7 @@ class Renderer {
     rays.height_m = scene_.observer.height_m;
     rays.flat = flat_;
     rays.method = plan_.method;
+    rays.azimuth_rad = plan_.azimuth_from_path_rad;
     rays.precision = plan_.precision;
     rays.error_arcsec = scene_.tracing.table_arcsec;
     rays.step_rad = scene_.tracing.tolerance;
@@ -111,6 +124,7 @@ class Renderer {
     const TransferCurve curve = trace_transfer_curve(*rays_, low, std::min(high, pi / 2), scene_.tracing.table_arcsec);
     report_.curve_entries = curve.elevation_rad.size();
     transfer_ = evenly_spaced(curve, low, spacing, plan_.entries);
+    find_sun_in(curve);
     report_.trace = rays_->stats();  // of the picture's own rays; those below are measurements
     probes_ = probe_between(*rays_, transfer_, lookup_probes);
     report_.lookup_arcsec = lookup_error_arcsec(transfer_, probes_);
@@ -118,9 +132,16 @@ class Renderer {
               spectral_air(scene_, plan_.wavelengths_nm)};
     share_wavelengths();
     report_.table_in_image = rays_->table_in_image();
-    if (plan_.method != RayMethod::cells) report_.solver_arcsec = to_arcsec(report_.trace.solver_error_rad);
+    if (!measures_solver()) report_.solver_arcsec = to_arcsec(report_.trace.solver_error_rad);
     compiled_while_tracing_ = device_->compile_seconds() - compiled_before;
     report_.emit_seconds = seconds_since(begin);
+  }
+
+  /// Through a duct the Sun may be seen far from where iteration looks for it: then as the curve shows it.
+  void find_sun_in(const TransferCurve &curve) {
+    if (!plan_.section || !sun_.shines || report_.sun_apparent_altitude_deg) return;
+    const std::vector<Image> images = images_of(curve, plan_.bent_nm.size() / 2, sun_.true_altitude_rad);
+    if (!images.empty()) report_.sun_apparent_altitude_deg = images.front().apparent_altitude_deg;
   }
 
   void share_wavelengths() {
@@ -263,9 +284,9 @@ class Renderer {
   const RenderPlan &plan_;
   const RenderOptions &options_;
   std::shared_ptr<Device> device_;
-  Profile profile_;
+  AirSection air_;
   bool flat_;
-  IndexTable reference_;
+  HostRay reference_;
   std::optional<SkyRays> rays_;
   SunPlace sun_;
   TransferTable transfer_;

@@ -40,7 +40,9 @@ struct RenderPlan {
   std::vector<double> bent_nm;         // that have rays of their own: all, or one whose rays serve all
   Precision precision = Precision::single_;
   RayMethod method = RayMethod::cells;
-  bool per_pixel = false;  // rays for every sample instead of a transfer table
+  bool section = false;              // the air varies along the surface: adaptive steps
+  double azimuth_from_path_rad = 0;  // of the picture's middle, clockwise from the direction of x
+  bool per_pixel = false;            // rays for every sample instead of a transfer table
   double pixel_arcsec = 0;
   double first_elevation_deg = 0, spacing_arcsec = 0;
   std::size_t entries = 0;  // of the evenly spaced table that pixels look up

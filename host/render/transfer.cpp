@@ -21,11 +21,11 @@ Transfer transfer_of(const f64::RayEnd &end, double elevation_rad, double curvat
 TransferTable trace_elevations(SkyRays &rays, const std::vector<double> &elevations_rad) {
   TransferTable table;
   table.entries = elevations_rad.size();
-  table.wavelengths = rays.table().wavelength_nm.size();
+  table.wavelengths = rays.wavelengths_nm().size();
   const std::vector<f64::RayEnd> ends = rays.trace(elevations_rad);
   table.rays.reserve(ends.size());
   for (std::size_t i = 0; i < ends.size(); ++i)
-    table.rays.push_back(transfer_of(ends[i], elevations_rad[i / table.wavelengths], rays.table().curvature_per_m));
+    table.rays.push_back(transfer_of(ends[i], elevations_rad[i / table.wavelengths], rays.curvature_per_m()));
   return table;
 }
 
