@@ -128,6 +128,14 @@ TEST_F(Develop, RadiancePicture) {
   const RgbImage image = read_exr(folder / "l.exr").rgb();
   for (const float v : image.rgb) EXPECT_NEAR(v / (128.5 / 256 * 2 * 179 / 2), 1, 1e-3) << "white is white";
   EXPECT_EQ(run({"develop", "h.hdr", "-o", "h.png", "--observer", "human"}).code, 0);
+  // old run-length code: (1, 1, 1, n) repeats, the next one 256 n times
+  write(folder / "r.hdr", "#?RADIANCE\n\n-Y 1 +X 301\n" +
+                              std::string("\x80\x80\x80\x81\x01\x01\x01\x2b\x01\x01\x01\x01", 12) +
+                              std::string("\x40\x40\x40\x81", 4));
+  ASSERT_EQ(run({"develop", "r.hdr", "-o", "r.exr", "--observer", "linear"}).code, 0);
+  const RgbImage runs = read_exr(folder / "r.exr").rgb();
+  EXPECT_EQ(runs.rgb[0], runs.rgb[3 * 299]);
+  EXPECT_NEAR(runs.rgb[3 * 300] / runs.rgb[0], 64.5 / 128.5, 1e-5);
   // known by its bytes, not by its name; Radiance's readers take spaces around the format
   hdr.replace(hdr.find("FORMAT="), 7, "FORMAT= ");
   write(folder / "h.rgbe", hdr);
