@@ -57,7 +57,7 @@ void warn(const PictureFacts &facts, const vision::LightFaults &faults) {
   const auto say = [&](std::uint64_t count, const char *what) {
     if (count > 0) std::cerr << "warning: " << facts.name << ": " << count << " pixels " << what << "\n";
   };
-  say(faults.not_a_number, "are not numbers: each shows its nearest right neighbour in the row, or black");
+  say(faults.not_a_number, "are not numbers: each shows its nearest valid neighbour in the row, or black");
   say(faults.infinite, "are infinite: shown white, as bright as the brightest finite pixel");
   say(faults.negative, "have negative luminance: shown black");
   say(faults.too_bright, "are beyond 1e10 cd/m2: taken as that");
