@@ -52,7 +52,11 @@ TEST_F(Develop, HumanWithEverything) {
   const Outcome made = run({"develop", "s.exr", "-o", "o.png", "--observer", "human", "--bleaching", "1", "--fov", "1",
                             "--greener", "g.png", "--stats", "s.json", "--bits", "16"});
   ASSERT_EQ(made.code, 0) << made.err;
-  EXPECT_EQ(read_png(folder / "o.png").bits, 16);
+  const Raster fine = read_png(folder / "o.png");
+  EXPECT_EQ(fine.bits, 16);
+  ASSERT_EQ(run({"develop", "s.exr", "-o", "o8.png", "--observer", "human", "--bleaching", "1", "--fov", "1"}).code, 0);
+  const Raster coarse = read_png(folder / "o8.png");
+  for (std::size_t i = 0; i < fine.rgb.size(); ++i) ASSERT_NEAR(fine.rgb[i] / 257.0, coarse.rgb[i], 1.6) << i;
   EXPECT_EQ(read_png(folder / "g.png").width, 64);
   EXPECT_EQ(read_exr(folder / "g.exr").parts.at(0).channels.count("delta_e2000"), 1U);
   const Json json = stats("s.json");

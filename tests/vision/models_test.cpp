@@ -21,7 +21,8 @@ struct Bleached {
   double y, luminance;
 };
 
-Bleached bleached(const BleachingOptions &options, const Lms &lms, const std::array<float, 3> &u) {
+Bleached bleached(const BleachingOptions &options, const Lms &lms, const std::array<float, 3> &u,
+                  const std::vector<SelfScreening> &screening = {}) {
   Retina retina;
   retina.options = options;
   retina.options.exposure = BleachingOptions::Exposure::seconds;
@@ -30,7 +31,7 @@ Bleached bleached(const BleachingOptions &options, const Lms &lms, const std::ar
   const auto xyz = xyz_from_lms(lms);
   float x = static_cast<float>(xyz[0]), y = static_cast<float>(xyz[1]), z = static_cast<float>(xyz[2]), luminance = 7;
   float left[3];
-  bleach_rows(retina, 1, &x, &y, &z, &luminance, {left, left + 1, left + 2}, {});
+  bleach_rows(retina, 1, &x, &y, &z, &luminance, {left, left + 1, left + 2}, screening);
   return {lms_from_xyz({static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)}),
           static_cast<double>(y), static_cast<double>(luminance)};
 }
@@ -81,6 +82,31 @@ TEST(BleachModels, GainsFollowTheirLaws) {
     }
 }
 
+// oracle: the catch of the bleached pigment itself, integrated over the spectrum: (1 - 10^(-D u A)) in place of u times
+// the
+//         whole.  tolerance: 1 %: a parabola through u = 0, 1/2 and 1
+TEST(BleachModels, ShapeIsTheCatchOfThinnerPigment) {
+  Spectrum light;
+  std::vector<float> radiance;
+  for (double nm = 390; nm <= 780; nm += 5) {
+    light.wavelength_nm.push_back(nm);
+    light.radiance.push_back(std::exp((nm - 600) / 100));
+    radiance.push_back(static_cast<float>(light.radiance.back()));
+  }
+  const SelfScreening screening = SpectralScreening(light.wavelength_nm).of(radiance.data(), 1);
+  BleachingOptions options;
+  options.model = BleachModel::shape;
+  options.dims = true;
+  const Lms whole = cone_catches(light);
+  for (const double u : {0.05, 0.25, 0.5, 0.75}) {
+    const auto left = static_cast<float>(u);
+    const Bleached seen = bleached(options, {1, 1, 1}, {left, left, left}, {screening});
+    const Lms thin = cone_catches(light, {u, u, u});
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(seen.lms[k] / (thin[k] / whole[k]), 1, 0.01) << u << " cone " << k;
+    EXPECT_GT(thin[0] / whole[0], 1.02 * u) << "less pigment screens itself less";
+  }
+}
+
 // oracle: two looks of 1 s at a disk that bleaches as one are a look of 2 s.  tolerance: float
 TEST(BleachModels, TheDiskKeepsItsPigmentFromPictureToPicture) {
   EyeOptions options;
@@ -121,6 +147,15 @@ TEST(Surround, CountsForThePupilAndScattersIntoThePicture) {
     else if (around < 100) EXPECT_LT(middle, 99);
     else EXPECT_NEAR(middle, 100, 1e-3);
   }
+}
+
+// oracle: a telescope of 20 shows a field of 1 degree as one of 20.  tolerance: rounding
+TEST(View, IsMagnified) {
+  const ViewGeometry view = view_geometry(100, 50, 1.0, 20);
+  EXPECT_NEAR(view.fov_deg, 20, 1e-12);
+  EXPECT_NEAR(view.half_width, std::tan(10 * M_PI / 180), 1e-12);
+  EXPECT_NEAR(view.half_height, view.half_width / 2, 1e-12);
+  EXPECT_THROW(view_geometry(100, 50, 10.0, 20), std::domain_error);
 }
 
 // oracle: what the words mean: yellow that turns to green is greener, the way back is not, nor is a green that turns
