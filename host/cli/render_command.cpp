@@ -13,6 +13,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/progress.hpp"
+#include "cli/render_command.hpp"
 #include "cli/room_command.hpp"
 #include "image/colour.hpp"
 #include "image/exr.hpp"
@@ -168,15 +169,17 @@ Observed develop(const Scene &scene, const RenderPlan &plan, const SpectralImage
   return observed;
 }
 
-int run(const Arguments &a) {
-  if (const std::optional<int> done = render_room_scene(a)) return *done;
+}  // namespace
+
+int render_picture(const Arguments &a, Session &session) {
+  if (const std::optional<int> done = render_room_scene(a, session)) return *done;
   const auto begin = Clock::now();
   RenderOptions options = options_from(a);
   const Scene scene = load_scene(a.positional()[0], a.all("--set"), a.positional_place(0));
   const RenderPlan plan = plan_render(scene, options);
   require_sun_in_sky(scene, options);
   const fs::path exr = output_path(a, scene);
-  const std::shared_ptr<Device> device = open_device(device_options(a));
+  const std::shared_ptr<Device> device = session.device(a);
   check_writable(exr);
 
   const bool quiet = a.has("--quiet"), json = a.has("--json");
@@ -210,6 +213,7 @@ int run(const Arguments &a) {
     report.erase("camera");
     report["eye"] = observed.eye;
   }
+  report["key"] = picture_key(a);
   files.add(fs::path(exr).replace_extension(".json")).write(report.dump(1) + "\n");
   if (stop_requested()) throw Interrupted();
   files.commit();
@@ -221,6 +225,17 @@ int run(const Arguments &a) {
   }
   return 0;
 }
+
+std::string picture_key(const Arguments &a) {
+  std::string key = room_scene_hash(a).value_or("");
+  if (key.empty()) key = scene_hash(load_scene(a.positional()[0], a.all("--set"), a.positional_place(0)));
+  for (const char *flag :
+       {"--spp", "--photons", "--error", "--minutes", "--seed", "--size", "--crop", "--quick", "--straight"})
+    if (a.has(flag)) key += std::string(" ") + flag + (a.text(flag).empty() ? "" : "=" + a.text(flag));
+  return key + " " + version();
+}
+
+namespace {
 
 int check(const Arguments &a) {
   if (const std::optional<int> done = check_room_scene(a)) return *done;
@@ -246,11 +261,14 @@ int check(const Arguments &a) {
   return 0;
 }
 
+}  // namespace
+
 std::vector<Flag> render_flags() {
   return {{"--output", "-o", "OUT.exr", "where to write; .png and .json go beside it"},
           {"--set", "-D", "KEY=VALUE", "override any scene key, repeatable", false, true},
           {"--spp", "", "N", "samples a pixel"},
           {"--photons", "", "N", "rooms: photons in all"},
+          {"--photon-map", "", "N", "rooms: N photons of the map as dots, in OUT.photons.png and .exr"},
           {"--error", "", "PCT", "stop when the noise (rooms: noise and bias) is below this percentage"},
           {"--minutes", "", "M", "stop after this time"},
           {"--resume", "", "", "rooms: go on from OUT.grck, or fail; the default when it is there and fits"},
@@ -263,10 +281,12 @@ std::vector<Flag> render_flags() {
           {"--straight", "", "", "no bending, for comparison"}};
 }
 
-}  // namespace
-
 Command render_command() {
-  return {with_common({"render", "SCENE", "One picture: EXR with spectra, PNG and JSON.", render_flags()}), run};
+  return {with_common({"render", "SCENE", "One picture: EXR with spectra, PNG and JSON.", render_flags()}),
+          [](const Arguments &a) {
+            Session session;
+            return render_picture(a, session);
+          }};
 }
 
 Command check_command() {

@@ -27,7 +27,7 @@ PhotonMap::State::State(std::shared_ptr<Device> d, const PhotonMapOptions &o)
       record_power_W(device, room(o.photons) * static_cast<std::size_t>(o.waves), "the power of photons"),
       moved(device, room(o.photons), "photons that are filed"),
       order(device, room(o.photons), "the order of photons"),
-      sub_start(device, room(o.photons), "the cells of the photon map"),
+      boxes(device, room(o.photons), "the cells of the photon map"),
       x_m(device, static_cast<std::size_t>(stride), "the photon map"),
       y_m(device, static_cast<std::size_t>(stride), "the photon map"),
       z_m(device, static_cast<std::size_t>(stride), "the photon map"),
@@ -114,9 +114,9 @@ void PhotonMap::State::build(std::size_t count, const Bounds &bounds, double cel
     bound("scan_buckets", {&chunk_order, &bucket_start, &filing}).setArg(3, plan);
     launch("scan_buckets", 1);
 
-    cl::Kernel &file = bound(
-        "file_photons", {&photons, &power, &moved.cl(), &starts, &bucket_start, &filing, &cell_start->cl(),
-                         &sub_start.cl(), &x_m.cl(), &y_m.cl(), &z_m.cl(), &normal.cl(), &power_W.cl(), &order.cl()});
+    cl::Kernel &file =
+        bound("file_photons", {&photons, &power, &moved.cl(), &starts, &bucket_start, &filing, &cell_start->cl(),
+                               &boxes.cl(), &x_m.cl(), &y_m.cl(), &z_m.cl(), &normal.cl(), &power_W.cl(), &order.cl()});
     file.setArg(14, stride);
     file.setArg(15, plan);
     file.setArg(16, grid);

@@ -1,5 +1,6 @@
 #include "image/picture_sink.hpp"
 
+#include <isa-l/igzip_lib.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -138,25 +139,30 @@ class PngSink : public PictureSink {
     return bytes;
   }
 
-  /// A run of whole deflate blocks that ends on a byte, without reference to what came before. Between dithered
-  /// neighbours there are no words to find again: Huffman codes and runs of equal bytes are as small as the search for
-  /// words leaves them, in half the time.
+  /// A run of whole deflate blocks that ends on a byte, without reference to what came before, by ISA-L: a quarter of
+  /// the time of zlib's fastest, some 10 % more bytes.
   DeflatedRows deflate_rows(int first_row, int rows, const std::vector<float> &rgb) const {
-    const std::vector<unsigned char> raw = filtered(first_row, rows, rgb);
+    std::vector<unsigned char> raw = filtered(first_row, rows, rgb);
     DeflatedRows result;
     result.raw_bytes = raw.size();
-    result.adler = adler32(adler32(0, nullptr, 0), raw.data(), static_cast<uInt>(raw.size()));
-    z_stream stream{};
-    if (deflateInit2(&stream, 1, Z_DEFLATED, -15, 9, Z_RLE) != Z_OK) throw RunError("zlib does not start");
-    result.bytes.resize(deflateBound(&stream, static_cast<uLong>(raw.size())) + 64);
-    stream.next_in = const_cast<Bytef *>(raw.data());
-    stream.avail_in = static_cast<uInt>(raw.size());
+    result.adler = isal_adler32(1, raw.data(), raw.size());
+    result.bytes.resize(raw.size() + raw.size() / 1024 +
+                        4096);  // what does not shrink is stored: 5 bytes in 65535 more
+    std::vector<unsigned char> workspace(ISAL_DEF_LVL1_DEFAULT);
+    isal_zstream stream;
+    isal_deflate_stateless_init(&stream);
+    stream.level = 1;
+    stream.level_buf = workspace.data();
+    stream.level_buf_size = static_cast<std::uint32_t>(workspace.size());
+    stream.flush = FULL_FLUSH;
+    stream.end_of_stream = 0;
+    stream.next_in = raw.data();
+    stream.avail_in = static_cast<std::uint32_t>(raw.size());
     stream.next_out = result.bytes.data();
-    stream.avail_out = static_cast<uInt>(result.bytes.size());
-    const int status = deflate(&stream, Z_SYNC_FLUSH);
+    stream.avail_out = static_cast<std::uint32_t>(result.bytes.size());
+    const int status = isal_deflate_stateless(&stream);
+    if (status != COMP_OK || stream.avail_in != 0) throw RunError("ISA-L could not compress a picture");
     result.bytes.resize(stream.total_out);
-    deflateEnd(&stream);
-    if (status != Z_OK || stream.avail_in != 0) throw RunError("zlib could not compress a picture");
     return result;
   }
 

@@ -5,12 +5,12 @@
 #include <memory>
 
 #include "render/launch.hpp"
-#include "render/spectrum.hpp"
 #include "support/angle.hpp"
 
 namespace greenray {
 
-f64::RayEnd trace_on_host(const IndexTable &table, std::size_t row, double height_m, double elevation_rad) {
+f64::RayEnd trace_on_host(const IndexTable &table, std::size_t row, double height_m, double elevation_rad,
+                          const LayerAbsorbers &shapes) {
   std::vector<f64::IndexCell> cells;
   for (std::size_t i = 0; i < table.cells_per_row; ++i) {
     const IndexCellData &c = table.cell(row, i);
@@ -24,7 +24,8 @@ f64::RayEnd trace_on_host(const IndexTable &table, std::size_t row, double heigh
   f64::RayStart start = launch(table, row, height_m, elevation_rad);
   start.row = 0;
   const f64::TraceSettings settings{1e-12, 100000, static_cast<int>(table.cells_per_row)};
-  const f64::Absorbers absorbers{table.curvature_per_m, ozone_peak_m, ozone_width_m, 1200};  // columns are not used
+  const f64::Absorbers absorbers{table.curvature_per_m, shapes.ozone_peak_m, shapes.ozone_width_m,
+                                 shapes.aerosol_scale_m};
   f64::March march;
   f64::start_march(&march, cells.data(), &start, 0, 0, &settings, absorbers);
   f64::trace(&march, cells.data(), &settings);

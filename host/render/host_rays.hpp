@@ -4,13 +4,15 @@
 #include <optional>
 
 #include "atmosphere/index_table.hpp"
+#include "atmosphere/layer_table.hpp"
 #include "render/section_rays.hpp"
 #include "twin/twin.hpp"
 
 namespace greenray {
 
 /// One ray of a row of the table to its end; local error 1e-12 rad a step.
-f64::RayEnd trace_on_host(const IndexTable &table, std::size_t row, double height_m, double elevation_rad);
+f64::RayEnd trace_on_host(const IndexTable &table, std::size_t row, double height_m, double elevation_rad,
+                          const LayerAbsorbers &absorbers = {});
 
 /// Rays of one eye at one wavelength, by elevation [rad].
 using HostRay = std::function<f64::RayEnd(double elevation_rad)>;

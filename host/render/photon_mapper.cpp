@@ -219,6 +219,15 @@ void PhotonMapper::settle_radii(std::span<const GatherPoint> places, std::size_t
   });
 }
 
+void PhotonMapper::limit_radii(std::size_t first, std::span<const GatherPoint> places,
+                               std::span<const GatherPoint> others, std::span<const std::size_t> around) {
+  state_->each_side([&](State::Side &side) {
+    if (side.nearest > 0)
+      limit_radii_beside(places, std::span(side.radius_m).subspan(first), others, side.radius_m, around,
+                         state_->options.radius_slope);
+  });
+}
+
 void PhotonMapper::keep_radii(std::span<const std::size_t> places) {
   state_->each_side([&](State::Side &side) {
     std::vector<float> kept;

@@ -73,6 +73,10 @@ class PhotonMapper {
   void find_radii(std::span<const GatherPoint> places);
   /// Then: keeps radii from reaching over bright edges (render/radius_field.hpp). All places, a picture.
   void settle_radii(std::span<const GatherPoint> places, std::size_t columns, std::size_t samples);
+  /// Keeps radii first .. first + places.size() from reaching further than those of other places beside them:
+  /// around[places][any number], numbers of `others`, which are the first ones; beyond them: none.
+  void limit_radii(std::size_t first, std::span<const GatherPoint> places, std::span<const GatherPoint> others,
+                   std::span<const std::size_t> around);
   /// And forgets all radii but these, in this order.
   void keep_radii(std::span<const std::size_t> places);
   /// Asks the filed photons for places first .. first + places.size(), in any parts. Place i of every pass is that of

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "atmosphere/profile_spec.hpp"
+#include "scene/sweeps.hpp"
 
 namespace greenray {
 
@@ -40,6 +41,7 @@ struct SunScene {
   SourcePlace altitude_place;
   std::optional<double> azimuth_deg;  // default: the observer's
   double diameter_arcmin = 31.9877;   // 2 x 959.63"
+  bool by_date = false;               // keys `when` and `place` gave altitude, azimuth and diameter
   bool limb_darkening = true;
 };
 
@@ -83,13 +85,6 @@ struct EyeScene {
 struct OutputScene {
   std::string image;     // .exr; empty: out/<scene name>.exr
   bool spectral = true;  // write S0.<nm> channels
-};
-
-struct SweepScene {
-  std::string key;
-  double from = 0, to = 0, step = 0;  // key `range`; all 0 when `values` was given instead
-  std::vector<double> values;         // the pictures to make, in order: as listed, or the range written out
-  SourcePlace place;
 };
 
 struct Scene {

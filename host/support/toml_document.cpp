@@ -4,6 +4,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <charconv>
 #include <climits>
 #include <sstream>
 
@@ -142,12 +143,35 @@ static toml::table parse_assignment(const std::string &file, const std::string &
   }
 }
 
+static void merge(toml::table &into, toml::table &from);
+
+/// light.0.power_W: the first of the rows begun by [[light]].
+static void merge_rows(toml::array &rows, toml::table &from) {
+  for (auto &&[key, node] : from) {
+    const std::string number(key.str());
+    std::size_t row = rows.size();
+    const bool whole =
+        std::from_chars(number.data(), number.data() + number.size(), row).ptr == number.data() + number.size();
+    if (!whole || row >= rows.size() || !node.is_table()) {
+      const toml::source_region &source = key.source();
+      throw InputError({*source.path, static_cast<int>(source.begin.line), static_cast<int>(source.begin.column)},
+                       "expected the number of a row, 0 to " + std::to_string(rows.size() - 1) +
+                           ", and a key of it, found '" + number + "'");
+    }
+    merge(*rows[row].as_table(), *node.as_table());
+  }
+}
+
 /// Moves the values of `from` into `into`, table by table. Moving keeps their places in the text; copying would not.
 static void merge(toml::table &into, toml::table &from) {
   for (auto &&[key, node] : from) {
     toml::node *old = into.get(key.str());
     if (old && old->is_table() && node.is_table()) {
       merge(*old->as_table(), *node.as_table());
+      continue;
+    }
+    if (old && old->is_array_of_tables() && node.is_table()) {
+      merge_rows(*old->as_array(), *node.as_table());
       continue;
     }
     node.visit([&into, &k = key](auto &value) { into.insert_or_assign(k, std::move(value)); });

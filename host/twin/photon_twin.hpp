@@ -35,5 +35,3 @@ namespace greenray::photon_twin {
 #undef SCALAR_MATH
 #undef TWO_PI
 #undef BEYOND_CELLS
-#undef SUB
-#undef DENSE

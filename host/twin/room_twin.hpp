@@ -59,6 +59,7 @@ namespace greenray::room_twin {
 #undef CHAIN_ARCS
 #undef HALF_METRE
 #undef LOOKS_BUFFERS
+#undef LIMB_ROWS
 #undef LOOKS_OF_BUFFERS
 #undef ROW_WAVE_PLACE
 #undef TWO_PI

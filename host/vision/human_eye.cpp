@@ -16,17 +16,23 @@ namespace greenray::vision {
 
 namespace {
 
-constexpr int band_rows = 2 * rows_per_piece;
+/// Rows of a band: some 128, and as many bands as keep two or four threads equally busy.
+int band_rows_of(int height) {
+  constexpr int usual = 2 * rows_per_piece, cell = 32;  // the largest cell
+  const int bands = (height + 4 * usual - 1) / (4 * usual) * 4;
+  return ((height + bands - 1) / bands + cell - 1) / cell * cell;
+}
 
 /// Sums of reals are joined in the order of the bands, so that they do not depend on which thread was first.
 class BandLedger {
  public:
+  explicit BandLedger(int band_rows) : band_rows_(band_rows) {}
   void enter(const BandSums &sums, int first) {
     const std::lock_guard<std::mutex> guard(lock_);
     waiting_[first] = sums;
     for (auto it = waiting_.find(next_); it != waiting_.end(); it = waiting_.find(next_)) {
       total_.add(it->second);
-      next_ += band_rows;
+      next_ += band_rows_;
       waiting_.erase(it);
     }
   }
@@ -35,7 +41,7 @@ class BandLedger {
  private:
   std::mutex lock_;
   std::map<int, BandSums> waiting_;
-  int next_ = 0;
+  int band_rows_, next_ = 0;
   BandSums total_;
 };
 
@@ -54,15 +60,17 @@ void report_survey(const RetinalLight &light, const ViewGeometry &view, EyeRepor
 
 /// All bands, as threads get free.
 BandSums see_all(RowObserver &observer, int height, unsigned threads, PictureSink &sink, const GreenerSinks &greener) {
-  BandLedger ledger;
-  for_pieces(static_cast<std::size_t>(height), band_rows, threads, [&](std::size_t from, std::size_t to) {
-    const int first = static_cast<int>(from), rows = static_cast<int>(to - from);
-    SeenBand band = observer.see(first, first + rows);
-    sink.put(first, rows, std::move(band.rgb));
-    if (greener.overlay && !band.overlay.empty()) greener.overlay->put(first, rows, std::move(band.overlay));
-    if (greener.map && !band.map.empty()) greener.map->put(first, rows, std::move(band.map));
-    ledger.enter(band.sums, first);
-  });
+  const int band_rows = band_rows_of(height);
+  BandLedger ledger(band_rows);
+  for_pieces(static_cast<std::size_t>(height), static_cast<std::size_t>(band_rows), threads,
+             [&](std::size_t from, std::size_t to) {
+               const int first = static_cast<int>(from), rows = static_cast<int>(to - from);
+               SeenBand band = observer.see(first, first + rows);
+               sink.put(first, rows, std::move(band.rgb));
+               if (greener.overlay && !band.overlay.empty()) greener.overlay->put(first, rows, std::move(band.overlay));
+               if (greener.map && !band.map.empty()) greener.map->put(first, rows, std::move(band.map));
+               ledger.enter(band.sums, first);
+             });
   return ledger.total();
 }
 

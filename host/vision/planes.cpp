@@ -178,11 +178,16 @@ void add_blurred(const Plane &in, double variance, double weight, Plane &out) {
   for (int left = 0; left < in.width; left += strip) {
     const int count = std::min(strip, in.width - left);
     const int from = std::max(0, left - radius), to = std::min(in.width, left + count + radius);
+    const bool at_an_edge = to - from < count + 2 * radius;
     std::fill(padded.begin(), padded.end(), 0.0F);
     float *middle = columns.data() + static_cast<std::ptrdiff_t>(strip) * radius;
     for (int y = 0; y < in.height; ++y) {
-      std::copy(in.row(y) + from, in.row(y) + to, padded.begin() + (from - left + radius));
-      convolve_across(padded.data() + radius, across.data(), radius, count, middle + strip * y);
+      const float *row = in.row(y) + left;
+      if (at_an_edge) {
+        std::copy(in.row(y) + from, in.row(y) + to, padded.begin() + (from - left + radius));
+        row = padded.data() + radius;
+      }
+      convolve_across(row, across.data(), radius, count, middle + strip * y);
     }
     for (int y = 0; y < std::min(in.height, out.height); ++y)
       add_convolved_down(middle + strip * y, down.data(), radius, count, out.row(y) + left);

@@ -1,6 +1,7 @@
 // Scenes changed by -D KEY=VALUE, and the hash that tells pictures apart.
 #include <gtest/gtest.h>
 
+#include "scene/room_scene.hpp"
 #include "scene/scene_file.hpp"
 
 namespace greenray {
@@ -43,6 +44,37 @@ TEST(SceneOverride, OverrideOfOneAltitudeDropsTheOther) {
   EXPECT_EQ(scene.sun.given, SunScene::Given::apparent_altitude);
   EXPECT_EQ(scene.sun.altitude_deg, 0.3);
   EXPECT_EQ(complaints(small, {"sun.apparent_altitude_deg=0.3", "sun.altitude_deg=0"}).size(), 1u);
+}
+
+constexpr const char *room = R"(greenray = 1
+[camera]
+from = [0.5, -1.0, 0.5]
+to = [0.5, 0.0, 0.5]
+[[quad]]
+corner = [0.0, 0.0, 0.0]
+edge_u = [1.0, 0.0, 0.0]
+edge_v = [0.0, 1.0, 0.0]
+reflectance = 0.5
+[[light]]
+kind = "point"
+from = [0.5, 0.5, 1.0]
+power_W = 10.0
+[[light]]
+kind = "point"
+from = [0.5, 0.2, 1.0]
+power_W = 20.0
+)";
+
+// oracle: the text itself
+// tolerance: none
+TEST(SceneOverride, RowsAreReachedByNumber) {
+  const RoomScene scene = parse_room("room.toml", room, {"light.1.power_W=0.5"});
+  ASSERT_EQ(scene.lights.size(), 2u);
+  EXPECT_EQ(scene.lights[0].power_W, 10);
+  EXPECT_EQ(scene.lights[1].power_W, 0.5);
+  for (const char *wrong :
+       {"light.2.power_W=1", "light.-1.power_W=1", "light.x.power_W=1", "light.0=1", "light.0.powr_W=1"})
+    EXPECT_THROW(parse_room("room.toml", room, {wrong}), InputError) << wrong;
 }
 
 struct WrongOverride {
