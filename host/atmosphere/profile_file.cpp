@@ -209,7 +209,7 @@ void read_base(const TomlTable &root, ProfileSpec &spec) {
   words.emplace_back("none", false);
   root.read_word("base", spec.base_is_us76, words);
   if (!spec.base_is_us76 && !root.has("level") && !root.has("index_level") && !root.has("station"))
-    root.complain("base", "\"none\" expects [[level]], [[index_level]] or [[station]] rows in the same file");
+    root.complain("base", "\"none\" expects [[level]] rows, [[index_level]] or [[station]] rows, in the same file");
 }
 
 void refuse_mixtures(const TomlTable &root, const ProfileSpec &spec) {

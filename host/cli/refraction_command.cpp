@@ -43,6 +43,9 @@ std::string as_csv(const RefractionTable &table, const RefractionRequest &reques
       << "# estimated error " << table.error_arcsec << " arcsec (table of " << table.cells_per_row
       << " cells, solver and rounding), tolerance " << request.tolerance_arcsec << "\n";
   if (has_places(profile.spec())) out << "# solver: " << solver_words(profile.spec(), request.section) << "\n";
+  if (table.measured_table_arcsec)
+    out << "# measured error: table " << *table.measured_table_arcsec << " arcsec, solver "
+        << *table.measured_solver_arcsec << " arcsec (over max(1, |dR/da|))\n";
   if (profile.spec().exaggerate != 1)
     out << "# the refractivity is exaggerated " << digits(profile.spec().exaggerate) << " times\n";
   out << "apparent_altitude_deg,wavelength_nm,status,refraction_arcsec,true_altitude_deg,air_mass,min_height_m,"
@@ -69,6 +72,8 @@ std::string as_json(const RefractionTable &table, const RefractionRequest &reque
   out["tolerance_arcsec"] = request.tolerance_arcsec;
   out["estimated_error_arcsec"] = table.error_arcsec;
   out["cells"] = table.cells_per_row;
+  out["table_arcsec"] = cell_json(table.measured_table_arcsec);
+  out["solver_arcsec"] = cell_json(table.measured_solver_arcsec);
   out["solver"] = request.section ? "section" : "layers";
   out["rows"] = nlohmann::json::array();
   for (const RefractionRow &r : table.rows)

@@ -127,6 +127,38 @@ std::array<HostRay, 2> outermost_rays(const Scene &scene, const RenderOptions &o
   return {host_ray(table, 0, height_m), host_ray(table, 1, height_m)};
 }
 
+/// Where the air varies, rays of one elevation differ with azimuth: by how much at the sides of the picture, against
+/// its middle, over elevations across it [arcsec].
+double azimuth_arcsec(const Scene &scene, const RenderOptions &options, const RenderPlan &plan) {
+  const AirSection air(spec_for(scene, options));
+  const double height_m = scene.observer.height_m, half = to_rad(scene.observer.fov_deg) / 2;
+  const SectionTable table =
+      build_section_table(section_medium(air, scene.atmosphere.surface == Surface::flat),
+                          {plan.wavelengths_nm[plan.wavelengths_nm.size() / 2]}, {0.01, height_m});
+  const HostSection section(table);
+  const auto ray = [&](double elevation, double aside) {
+    return section.trace(launch(table, 0, {0, height_m}, elevation, plan.azimuth_from_path_rad + aside), 1e-10);
+  };
+  const double low = to_rad(plan.first_elevation_deg);
+  const double high = low + from_arcsec(plan.spacing_arcsec) * static_cast<double>(plan.entries - 1);
+  constexpr int rows = 24;
+  double widest = 0;
+  for (int i = 0; i <= rows; ++i) {
+    const double e = low + (high - low) * i / rows;
+    const f64_section::RayEnd middle = ray(e, 0), beside = ray(e + from_arcsec(plan.pixel_arcsec), 0);
+    if (middle.outcome != f64_section::RAY_SPACE || beside.outcome != middle.outcome) continue;
+    // What a shift by a pixel does: near folds a small difference of direction is a large one of bending.
+    const double stretch =
+        std::max(1.0, std::abs(beside.bending_rad - middle.bending_rad) / from_arcsec(plan.pixel_arcsec));
+    for (double side : {-half, half}) {
+      const f64_section::RayEnd end = ray(e, side);
+      if (end.outcome == middle.outcome)
+        widest = std::max(widest, std::abs(end.bending_rad - middle.bending_rad) / stretch);
+    }
+  }
+  return to_arcsec(widest);
+}
+
 /// How far apart the picture's outermost wavelengths are seen, at most, over elevations across the picture and just
 /// above its horizon.
 double dispersion_arcsec(const Scene &scene, const RenderOptions &options, const RenderPlan &plan) {
@@ -164,6 +196,18 @@ void choose_wavelengths(const Scene &scene, const RenderOptions &options, Render
   if (!asked) words << (one ? ", below " : ", above ") << visible_pixels;
   plan.choices.push_back(
       {"bending", one ? "one wavelength for all" : "each wavelength its own", words.str(), one ? pixels : 0, "pixel"});
+}
+
+void note_azimuths(const Scene &scene, const RenderOptions &options, RenderPlan &plan) {
+  if (!plan.section || plan.per_pixel) return;
+  const double apart = azimuth_arcsec(scene, options, plan), pixels = pixel_share(apart, plan);
+  std::ostringstream words;
+  words << "at the sides of the picture rays of the same elevation are bent " << apart << "\" otherwise, " << pixels
+        << " pixel";
+  const bool seen = pixels > visible_pixels;
+  if (seen) words << ": more than " << visible_pixels << "; tracing.transfer = \"per-pixel\" follows it, slowly";
+  plan.choices.push_back({"azimuth", "the air along the middle of the picture", words.str(), apart, "arcsec"});
+  if (seen) plan.left_out.push_back("change of the air with azimuth: " + words.str());
 }
 
 void explain(const Scene &scene, const RenderOptions &options, RenderPlan &plan) {
@@ -209,6 +253,7 @@ RenderPlan plan_render(const Scene &scene, const RenderOptions &options) {
   size_transfer_table(scene, plan);
   choose_solver(scene, options, plan);
   choose_wavelengths(scene, options, plan);
+  note_azimuths(scene, options, plan);
 
   const bool own = options.spp || options.error_pct || options.minutes;
   const std::optional<int> spp = own ? options.spp : t.spp;

@@ -5,6 +5,7 @@
 
 #include "atmosphere/layer_table.hpp"
 #include "compute/layer_tracer.hpp"
+#include "render/host_rays.hpp"
 #include "render/launch.hpp"
 #include "render/renderer.hpp"
 #include "render/section_rays.hpp"
@@ -34,6 +35,7 @@ struct Traced {
   std::size_t cells_per_row = 0;
   double table_bound_arcsec = 0;
   TraceStats stats;
+  HostRay on_host;  // through the same table, at the first wavelength; of air that varies
 };
 
 Traced trace_with(const Setting &setting, const AirSection &air, const RefractionRequest &request,
@@ -55,6 +57,7 @@ Traced trace_with(const Setting &setting, const AirSection &air, const Refractio
     traced.cells_per_row = rays.cells();
     traced.table_bound_arcsec = rays.table_bound_arcsec();
     traced.stats = rays.stats();
+    if (rays.varies()) traced.on_host = rays.on_host(0);
   };
   if (request.section) trace(SkyRays(air, request.wavelengths_nm, options, device));
   else trace(SkyRays(air.at(0), request.wavelengths_nm, options, device));
@@ -100,6 +103,24 @@ std::vector<double> error_bounds(const std::vector<f64::RayEnd> &kept, const Che
   for (std::size_t i = 0; i < kept.size(); ++i)
     bounds.push_back(1.5 * difference_arcsec(kept[i], check.rays[i]) + check.stretch[i] * both_settings_arcsec);
   return bounds;
+}
+
+/// Tells the error of the table from that of the device: some rays in double on the host through the table kept.
+void measure_parts(const Traced &kept, const Check &check, const std::vector<double> &elevations_rad,
+                   std::size_t wavelengths, RefractionTable &result) {
+  constexpr std::size_t most_rays = 48;
+  const std::size_t stride = (elevations_rad.size() + most_rays - 1) / most_rays;
+  double table = 0, solver = 0;
+  for (std::size_t i = 0; i < elevations_rad.size(); i += stride) {
+    const std::size_t row = i * wavelengths;
+    if (kept.ends[row].outcome != f64::RAY_SPACE) continue;
+    const f64::RayEnd on_host = kept.on_host(elevations_rad[i]);
+    if (on_host.outcome != f64::RAY_SPACE || check.rays[row].outcome != f64::RAY_SPACE) continue;
+    table = std::max(table, difference_arcsec(on_host, check.rays[row]) / check.stretch[row]);
+    solver = std::max(solver, difference_arcsec(on_host, kept.ends[row]) / check.stretch[row]);
+  }
+  result.measured_table_arcsec = table;
+  result.measured_solver_arcsec = solver;
 }
 
 double worst_difference(const std::vector<f64::RayEnd> &kept, const std::vector<f64::RayEnd> &check) {
@@ -158,6 +179,7 @@ RefractionTable refraction_table(const AirSection &air, const RefractionRequest 
   std::vector<double> elevations_rad;
   for (double altitude : request.altitudes_deg) elevations_rad.push_back(to_rad(altitude));
   double tolerance = request.tolerance_arcsec;
+  RefractionTable result;
   Traced kept;
   std::vector<double> bounds;
   Check check;
@@ -175,9 +197,9 @@ RefractionTable refraction_table(const AirSection &air, const RefractionRequest 
     tolerance /= 10;
   }
 
+  if (request.section) measure_parts(kept, check, elevations_rad, request.wavelengths_nm.size(), result);
   const double curvature = request.flat ? 0 : 1 / profile.spec().earth_radius_m;
   const double zenith = profile.zenith_column_kg_m2(request.height_m);
-  RefractionTable result;
   result.cells_per_row = kept.cells_per_row;
   result.table_bound_arcsec = kept.table_bound_arcsec;
   result.stats = kept.stats;

@@ -209,23 +209,28 @@ def trace_in_space(air, eye_m, altitude_deg, nm, azimuth_deg=0.0, rtol=3e-14):
     forward = np.array([math.cos(a), math.sin(a), 0.0])
     up = np.array([0.0, 0.0, 1.0])
     side = np.array([-math.sin(a), math.cos(a), 0.0])
+    foot = EARTH_M * up   # places are counted from here, so that heights are differences of small numbers
+
+    def height(y):
+        d = y[:3]
+        return (2 * EARTH_M * d[2] + d @ d) / (EARTH_M + math.sqrt((d + foot) @ (d + foot)))
 
     def rhs(_, y):
-        p, q = y[:3], y[3:6]
+        p, q = y[:3] + foot, y[3:6]
         r = math.sqrt(p @ p)
-        u, uh, ux, _ = air.state(r - EARTH_M, EARTH_M * math.atan2(p[0], p[2]))
+        u, uh, ux, _ = air.state(height(y), EARTH_M * math.atan2(p[0], p[2]))
         n = 1 + factor * u
         in_plane = p[0] ** 2 + p[2] ** 2
         grad = factor * (uh * p / r + ux * EARTH_M * np.array([p[2], 0.0, -p[0]]) / in_plane)
         return np.concatenate([q / n, grad])
 
-    def ground(_, y): return math.sqrt(y[:3] @ y[:3]) - EARTH_M
-    def space(_, y): return math.sqrt(y[:3] @ y[:3]) - EARTH_M - TOP_M
+    def ground(_, y): return height(y)
+    def space(_, y): return height(y) - TOP_M
     ground.terminal, ground.direction = True, -1
     space.terminal, space.direction = True, 1
     n0 = 1 + factor * air.state(eye_m, 0.0)[0]
-    start = np.concatenate([(EARTH_M + eye_m) * up, n0 * (math.cos(e) * forward + math.sin(e) * up)])
-    s = solve_ivp(rhs, (0, 1e7), start, method="DOP853", rtol=rtol, atol=1e-10, events=[ground, space], max_step=2000.0)
+    start = np.concatenate([eye_m * up, n0 * (math.cos(e) * forward + math.sin(e) * up)])
+    s = solve_ivp(rhs, (0, 1e7), start, method="DOP853", rtol=rtol, atol=[1e-10] * 3 + [1e-16] * 3, events=[ground, space], max_step=2000.0)
     q = s.y[3:6, -1]
     q = q / math.sqrt(q @ q)
     end_e = math.atan2(q @ up, q @ forward)
