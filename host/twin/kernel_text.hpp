@@ -6,8 +6,6 @@
 #include "shared/layers.h"
 #include "shared/probe.h"
 #include "shared/sky.h"
-#define SCALAR_ROOT std::sqrt
-#define SCALAR_SINE std::sin
 #include "sky/sky.h"
 
 #include "ray/closed_form.h"
@@ -28,8 +26,6 @@
 #undef INDEX_CELL_SCALARS
 #undef INDEX_TABLE
 #undef PROBE_VALUES
-#undef SCALAR_ROOT
-#undef SCALAR_SINE
 #undef LAYER_QUANTITIES_SUMMED
 #undef LIMB_TERMS
 #undef ROUNDING
