@@ -167,6 +167,8 @@ std::vector<Record> run_geometry_suite(const SuiteOptions &options, const MakeSe
   }
   const std::vector<Record> paths = race_paths(options, device);
   all.insert(all.end(), paths.begin(), paths.end());
+  const std::vector<Record> photons = race_room_photons(options, device);
+  all.insert(all.end(), photons.begin(), photons.end());
   return all;
 }
 

@@ -36,6 +36,7 @@ class Ratios {
     against_pal();
     growth();
     pictures();
+    rooms();
     return std::move(rows_);
   }
 
@@ -148,6 +149,23 @@ class Ratios {
     }
   }
 
+  /// What a photon of the cross room costs in one way over another.
+  void rooms() {
+    const auto found = [&](const char *variant) -> const Record * {
+      for (const Record &r : results_.records)
+        if (r.suite == "geometry" && r.case_name == "cross-room" && r.variant == variant) return &r;
+      return nullptr;
+    };
+    for (const auto &[what, dear, cheap, floor, aim] :
+         {std::tuple("cost of a photon, curved / straight", "curved", "straight", 2.5, 1.5),
+          {"cost of a photon, 16 times the photons", "curved", "curved, a sixteenth of the photons", 1.3, 0.0},
+          {"cost of a photon, 16 times the triangles", "curved, 16 times as many triangles", "curved, many triangles",
+           2.0, 0.0}}) {
+      const Record *a = found(dear), *b = found(cheap);
+      if (a && b) rows_.push_back(row(what, "cross-room", a, b, Basis::cost, floor, aim));
+    }
+  }
+
   void ten_inversions() {
     for (const auto &[what, wanted] : watched) {
       const Record *smooth = fastest("us76", wanted, 0.01), *thin = fastest("ten-inversions", wanted, 0.01);
@@ -204,7 +222,7 @@ class Ratios {
 
 std::string Ratio::verdict() const {
   if (!measured() || (floor <= 0 && aim <= 0)) return "";
-  if (basis == Basis::cost) return value <= floor ? "floor" : "missed";
+  if (basis == Basis::cost) return value <= aim ? "aim" : value <= floor ? "floor" : "missed";
   if (aim > 0 && value >= aim) return "aim";
   return value >= floor ? "floor" : "missed";
 }

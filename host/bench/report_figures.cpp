@@ -232,34 +232,62 @@ std::vector<Figure> image_figures(const Results &results) {
   return figures;
 }
 
+namespace {
+
+/// What the pictures say of themselves, beside the curve of what is true.
+void add_claims(Figure &figure, const std::vector<const Record *> &records,
+                const std::function<double(const Record &)> &x) {
+  PlotPanel &panel = figure.plot.panels.front();
+  PlotLine claimed = panel.lines.back();
+  claimed.name = "claimed by the picture itself", claimed.width = 0, claimed.colour = faded(claimed.colour);
+  claimed.x.clear(), claimed.y.clear(), claimed.notes.clear();
+  for (const Record *r : records) {
+    claimed.x.push_back(x(*r)), claimed.y.push_back(r->number("claimed_rms"));
+    claimed.notes.push_back(r->variant + ": claims " + short_number(r->number("claimed_rms")));
+  }
+  panel.lines.push_back(claimed);
+  figure.legend.push_back(claimed);
+}
+
+Figure room_figure(const std::vector<const Record *> &records, const PlotAxis &across,
+                   const std::function<double(const Record &)> &x) {
+  Figure figure = figure_of(records, x);
+  add_claims(figure, records, x);
+  PlotPanel &panel = figure.plot.panels.front();
+  panel.x = across;
+  panel.y = {"RMS error, relative to the mean", "", true};
+  widen(panel.x, column(panel, &PlotLine::x));
+  widen(panel.y, column(panel, &PlotLine::y));
+  figure.plot.panel_height = 320;
+  return figure;
+}
+
+}  // namespace
+
 std::vector<Figure> room_figures(const Results &results) {
   std::vector<Figure> figures;
-  const auto all = chosen(results, [](const Record &r) { return r.suite == "scenes" && r.more.count("claimed_rms"); });
-  for (const std::string &name : distinct(all, [](const Record &r) { return r.case_name; })) {
-    const auto records = chosen(results, [&](const Record &r) {
-      return r.suite == "scenes" && r.case_name == name && r.more.count("claimed_rms");
-    });
-    if (records.size() < 2) continue;
-    Figure figure = figure_of(records, [](const Record &r) { return r.wall_seconds; });
-    PlotPanel &panel = figure.plot.panels.front();
-    PlotLine claimed = panel.lines.back();
-    claimed.name = "claimed by the picture itself", claimed.width = 0, claimed.colour = faded(claimed.colour);
-    claimed.x.clear(), claimed.y.clear(), claimed.notes.clear();
-    for (const Record *r : records) {
-      claimed.x.push_back(r->wall_seconds), claimed.y.push_back(r->number("claimed_rms"));
-      claimed.notes.push_back(r->variant + ": claims " + short_number(r->number("claimed_rms")));
-    }
-    panel.lines.push_back(claimed);
-    figure.legend.push_back(claimed);
-    panel.x = {"time of the whole picture", "s", true};
-    panel.y = {"RMS error, relative to the mean", "", true};
-    widen(panel.x, column(panel, &PlotLine::x));
-    widen(panel.y, column(panel, &PlotLine::y));
+  const auto of_rooms = [](const Record &r) { return r.suite == "scenes" && r.more.count("claimed_rms") > 0; };
+  for (const std::string &name : distinct(chosen(results, of_rooms), [](const Record &r) { return r.case_name; })) {
+    const auto all = chosen(results, [&](const Record &r) { return of_rooms(r) && r.case_name == name; });
+    const auto passes =
+        chosen(results, [&](const Record &r) { return of_rooms(r) && r.case_name == name && r.more.count("slope"); });
+    if (all.size() < 2) continue;
+    Figure figure =
+        room_figure(all, {"time of the whole picture", "s", true}, [](const Record &r) { return r.wall_seconds; });
     figure.plot.id = "rooms" + std::to_string(figures.size());
     figure.plot.title = name + ": error against time";
-    figure.plot.subtitle = short_number(records.front()->number("pixels")) +
+    figure.plot.subtitle = short_number(all.front()->number("pixels")) +
                            "pixels; each point a number of photons; further left and further down is better";
-    figure.plot.panel_height = 320;
+    figures.push_back(figure);
+    if (passes.size() < 2) continue;
+    figure = room_figure(passes, {"photons", "", true}, [](const Record &r) { return r.number("photons"); });
+    figure.plot.id = "rooms" + std::to_string(figures.size());
+    char slope[24];
+    std::snprintf(slope, sizeof slope, "%.2f", passes.front()->number("slope"));
+    figure.plot.title = name + ": error falls as photons^(" + slope + ")";
+    figure.plot.subtitle =
+        "passes of the same number of photons with shrinking radii, fitted by least squares; theory: -1/3 "
+        "(Knaus & Zwicker 2011)";
     figures.push_back(figure);
   }
   return figures;

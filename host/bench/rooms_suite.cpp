@@ -42,8 +42,8 @@ double true_error(const SpectralImage &image, const RoomPicture &reference) {
   return std::sqrt(std::max(0.0, apart2 - reference.report.noise_rms * reference.report.noise_rms));
 }
 
-Record record_of(const std::string &name, const std::vector<Picture> &pictures, const RoomPicture &reference,
-                 const Device &device) {
+Record record_of(const std::string &name, const std::string &way, const std::vector<Picture> &pictures,
+                 const RoomPicture &reference, const Device &device) {
   std::vector<double> wall;
   const Picture *best = &pictures[0];
   for (const Picture &p : pictures) {
@@ -55,9 +55,9 @@ Record record_of(const std::string &name, const std::vector<Picture> &pictures, 
   Record record;
   record.suite = "scenes";
   record.case_name = name;
-  record.variant = "photon map, " + std::to_string(r.photons.photons) + " photons";
+  record.variant = way + ", " + std::to_string(r.photons.photons) + " photons";
   record.device = device_words(device);
-  record.kind = {"", "", "photon map", "float", device.lanes().lanes_float};
+  record.kind = {"", "", way, "float", device.lanes().lanes_float};
   record.rate = 1 / wall.front();
   record.rate_unit = "picture/s";
   record.error = true_error(best->picture.image, reference);
@@ -87,7 +87,44 @@ RoomScene shipped_room(const std::string &name) {
   return parse_room(file, embedded_file(file).value());
 }
 
+/* Passes of the same few photons, four times as many each time: noise and bias both fall as passes^(-1/3) by Knaus &
+   Zwicker. The reference has passes of eight times the photons, in a kernel of twice as many: a quarter of the area. */
+std::vector<Record> converge(const std::string &name, RoomScene scene, RoomOptions room, const SuiteOptions &options,
+                             const std::shared_ptr<Device> &device) {
+  const std::int64_t each = options.quick ? 2000 : 16000;
+  const int most = options.quick ? 16 : 64;
+  RoomScene finer = scene;
+  finer.photons.gather *= 2;
+  RoomOptions better = room;
+  better.seed = 4243, better.photons = 8 * each * most, better.passes = most, better.spp = most;
+  if (options.say) options.say(name + ": reference of convergence");
+  const RoomPicture reference = render_room(finer, better, device);
+  std::vector<Record> records;
+  for (int passes = 4; passes <= most; passes *= 4) {
+    room.passes = passes, room.photons = each * passes, room.spp = passes;
+    if (options.say) options.say(name + ": " + std::to_string(passes) + " passes");
+    records.push_back(record_of(name, "progressive", {render_once(scene, room, device)}, reference, *device));
+    records.back().more["passes"] = passes;
+  }
+  const double slope = convergence_slope(records);
+  for (Record &record : records) {
+    record.more["slope"] = slope;
+    if (options.done) options.done(record);
+  }
+  return records;
+}
+
 }  // namespace
+
+double convergence_slope(const std::vector<Record> &records) {
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+  for (const Record &r : records) {
+    if (!(r.error > 0) || !(r.number("photons") > 0)) continue;
+    const double a = std::log(r.number("photons")), b = std::log(r.error);
+    n += 1, x += a, y += b, xx += a * a, xy += a * b;
+  }
+  return n > 1 ? (n * xy - x * y) / (n * xx - x * x) : 0;
+}
 
 std::vector<Record> run_rooms(const SuiteOptions &options, const std::shared_ptr<Device> &device) {
   std::vector<Record> records;
@@ -111,9 +148,10 @@ std::vector<Record> run_rooms(const SuiteOptions &options, const std::shared_ptr
         say(std::to_string(photons) + " photons");
         pictures.push_back(render_once(scene, room, device));
       }
-      records.push_back(record_of(name, pictures, reference, *device));
+      records.push_back(record_of(name, "photon map", pictures, reference, *device));
       if (options.done) options.done(records.back());
     }
+    for (Record &record : converge(name, scene, room, options, device)) records.push_back(std::move(record));
   }
   return records;
 }

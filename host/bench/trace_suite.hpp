@@ -35,6 +35,9 @@ std::vector<Record> run_scenes_suite(const SuiteOptions &options);
 /// Part of suite scenes: RMS error of rooms against seconds, by number of photons, and the error that they claim.
 std::vector<Record> run_rooms(const SuiteOptions &options, const std::shared_ptr<Device> &device);
 
+/// Slope of ln(error) against ln(photons) by least squares; 0 of fewer than two records with both.
+double convergence_slope(const std::vector<Record> &records);
+
 /// Suite eye: the human eye on pictures of fixed size; tone mappers of pfstools where they are installed.
 std::vector<Record> run_eye_suite(const SuiteOptions &options);
 

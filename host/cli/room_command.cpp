@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
@@ -76,6 +77,8 @@ RoomOptions options_from(const Arguments &a, const RoomScene &scene) {
   o.crop = crop_from(a);
   if (o.crop) o.crop_place = a.place("--crop");
   read_stopping(a, o);
+  o.photon_map = scene.photon_map;
+  if (const auto shown = a.optional_number("--photon-map", 0, 1e9, "photons")) o.photon_map = std::llround(*shown);
   if (a.has("--resume") && a.has("--no-resume")) a.fail("--no-resume", "expected one of --resume and --no-resume");
   o.resume = a.has("--resume")      ? RoomOptions::Resume::always
              : a.has("--no-resume") ? RoomOptions::Resume::never
@@ -127,9 +130,10 @@ void print_summary(const RoomReport &r, double total) {
             << ", eye " << r.eye_seconds << "\n         stored " << p.stored[0] << " diffuse, " << p.stored[1]
             << " caustic, of " << p.photons << " photons in " << r.passes << " passes"
             << (r.resumed_at > 0 ? ", " + std::to_string(r.resumed_at) + " of them from a checkpoint" : "")
-            << "\n         error " << 100 * r.error_rms << " % (noise " << 100 * r.noise_rms << " %, bias "
-            << 100 * r.bias_rms << " %), medium " << r.air_cells << " cells good to " << 1000 * r.table_error_m
-            << " mm\n";
+            << "\n         error " << 100 * r.error_rms << " % of the mean (noise " << 100 * r.noise_rms << " %, bias "
+            << (r.bias_is_seen ? "" : "below ") << 100 * (r.bias_is_seen ? r.bias_rms : r.bias_below) << " %), "
+            << 100 * r.error_of_rms << " % of the RMS; medium " << r.air_cells << " cells good to "
+            << 1000 * r.table_error_m << " mm\n";
 }
 
 /// output.aovs says which channels go into the file; left out, all do.
@@ -139,6 +143,13 @@ void keep_channels(const std::vector<std::string> &aovs, SpectralImage &image) {
     const std::string word = channel.first == "depth_m" ? "depth" : channel.first;
     return std::find(aovs.begin(), aovs.end(), word) == aovs.end();
   });
+}
+
+/// OUT.photons.exr and .png: one photon of median power is a dot a little brighter than middle grey.
+void write_photon_map(const SpectralImage &map, const fs::path &exr, AtomicFileSet &files, const ExrAttributes &words) {
+  write_exr(files.add(fs::path(exr).replace_extension(".photons.exr")), map, words, {false});
+  write_png(files.add(fs::path(exr).replace_extension(".photons.png")),
+            develop_camera(rgb_from_spectral(map), {std::nullopt, 8, true}).pixels);
 }
 
 }  // namespace
@@ -160,7 +171,7 @@ std::optional<int> render_room_scene(const Arguments &a, Session &session) {
   const std::shared_ptr<Device> device = session.device(a);
   { AtomicFile(exr).write("x"); }  // is there room and right to write there?
   options.checkpoint = fs::path(exr).replace_extension(".grck");
-  for (const char *extension : {".exr", ".png", ".json", ".grck"})
+  for (const char *extension : {".exr", ".png", ".json", ".grck", ".photons.exr", ".photons.png"})
     remove_stale_temporaries(fs::path(exr).replace_extension(extension));
   const bool quiet = a.has("--quiet"), json = a.has("--json");
   Progress progress(quiet ? Progress::Style::quiet : json ? Progress::Style::json : Progress::Style::text);
@@ -179,6 +190,7 @@ std::optional<int> render_room_scene(const Arguments &a, Session &session) {
   AtomicFileSet files;
   write_exr(files.add(exr), picture.image, attributes_of(scene, options, *device), {scene.output.spectral});
   write_png(files.add(fs::path(exr).replace_extension(".png")), camera.pixels);
+  if (picture.photon_map) write_photon_map(*picture.photon_map, exr, files, attributes_of(scene, options, *device));
   nlohmann::json report =
       room_report_json(scene, options, picture.report, *device, develop_seconds, seconds_since(begin));
   report["key"] = picture_key(a);
@@ -189,7 +201,8 @@ std::optional<int> render_room_scene(const Arguments &a, Session &session) {
   if (json) std::cout << nlohmann::json{{"event", "done"}, {"report", report}}.dump() << "\n";
   if (!quiet && !json) {
     print_summary(picture.report, seconds_since(begin));
-    std::cout << "wrote    " << exr.string() << "  .png  .json\n";
+    std::cout << "wrote    " << exr.string() << "  .png  .json"
+              << (picture.photon_map ? "  .photons.exr  .photons.png" : "") << "\n";
   }
   return 0;
 }

@@ -85,8 +85,8 @@ class RoomTracer {
   void set_aim(const AimedLights &aim);
   /// Traces a batch of aimed photons into the map's records, one slot for each. Their powers are not in the totals.
   void store_caustics(const PhotonBatch &batch, PhotonMap &caustic, PhotonTotals &totals);
-  /// camera.width * rows * samples paths
-  EyeBand see(const room_twin::EyeCamera &camera);
+  /// camera.width * rows * samples paths; with a list of pixels, numbers within that band, samples paths of each.
+  EyeBand see(const room_twin::EyeCamera &camera, std::span<const int> pixels = {});
   /// The light of lamps alone, [pixels][waves], mean of camera.samples paths through each of these pixels of the band.
   std::vector<float> see_lamps(const room_twin::EyeCamera &camera, const std::vector<int> &pixels);
   double eye_seconds() const;

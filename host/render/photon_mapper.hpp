@@ -11,8 +11,10 @@
 namespace greenray {
 
 /// Part of a gather's disc that surfaces fill, of the whole one and of the one of half its area: 1 away from edges.
+/// clear: of the radius, up to what stands in the disc before surfaces behind it; `hidden` is a place there.
 struct GatherCover {
-  float whole = 1, inner = 1;
+  float whole = 1, inner = 1, clear = 1;
+  GatherPoint hidden{};
 };
 using CoverFinder =
     std::function<std::vector<GatherCover>(std::span<const GatherPoint> places, std::span<const float> radius_m)>;
@@ -73,6 +75,10 @@ class PhotonMapper {
   void find_radii(std::span<const GatherPoint> places);
   /// Then: keeps radii from reaching over bright edges (render/radius_field.hpp). All places, a picture.
   void settle_radii(std::span<const GatherPoint> places, std::size_t columns, std::size_t samples);
+  /// Keeps radii first .. first + places.size() from reaching further than those of other places beside them:
+  /// around[places][any number], numbers of `others`, which are the first ones; beyond them: none.
+  void limit_radii(std::size_t first, std::span<const GatherPoint> places, std::span<const GatherPoint> others,
+                   std::span<const std::size_t> around);
   /// And forgets all radii but these, in this order.
   void keep_radii(std::span<const std::size_t> places);
   /// Asks the filed photons for places first .. first + places.size(), in any parts. Place i of every pass is that of

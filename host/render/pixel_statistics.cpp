@@ -11,6 +11,7 @@ namespace greenray {
 namespace {
 constexpr int enough_passes = 4;             // below, a pixel's variance from pass to pass is off by 40 % and more
 constexpr double bias_of_difference = 2.77;  // see totals()
+constexpr std::size_t block = 8;             // pixels
 constexpr double difference_variance = 0.5;  // of one pass, over that of the wider kernel
 }  // namespace
 
@@ -79,24 +80,38 @@ std::vector<float> PixelStatistics::bias() const {
 
 double PixelStatistics::Totals::error_rms() const { return std::hypot(noise_rms, bias_rms); }
 
-PixelStatistics::Totals PixelStatistics::totals(std::span<const unsigned char> counts) const {
+PixelStatistics::Totals PixelStatistics::totals(std::span<const unsigned char> counts, std::size_t columns) const {
   const std::vector<float> bias_of = bias();
   const double n = std::max(passes_, 1);
-  double pixels = 0, whole = 0, squares = 0, bias2 = 0, bias_sum = 0;
+  double pixels = 0, whole = 0, whole2 = 0, squares = 0, bias2 = 0, bias_sum = 0;
+  const std::size_t across = (columns + block - 1) / block;
+  std::vector<double> block_bias2(columns > 0 ? across * (pixels_ / columns / block + 1) : pixels_),
+      block_pixels(block_bias2);
   for (std::size_t p = 0; p < pixels_; ++p) {
     if (!counts.empty() && !counts[p]) continue;
     const double difference = (sum_[p] - narrower_[p]) / n;
     const double spread =
         passes_ > 1 ? (differences_[p] / n - difference * difference) / (n - 1) : difference_variance * variance_[p];
-    pixels += 1, whole += sum_[p] / n;
+    pixels += 1, whole += sum_[p] / n, whole2 += sum_[p] * sum_[p] / (n * n);
     // Two passes do for the mean of many pixels, and see more than the photons: edges, glass.
     squares += noise2(p, 2), bias_sum += static_cast<double>(bias_of[p]);
     bias2 += difference * difference - spread;
+    const std::size_t at = columns > 0 ? p / columns / block * across + p % columns / block : p;
+    block_bias2[at] += difference * difference - spread, block_pixels[at] += 1;
   }
   if (!(whole > 0)) return {};
   const double level = whole / pixels;
-  return {std::sqrt(squares / pixels) / level, bias_of_difference * std::sqrt(std::max(bias2, 0.0) / pixels) / level,
-          bias_sum / pixels / level};
+  double scatter = 0;  // variance of the sum
+  for (std::size_t i = 0; i < block_bias2.size(); ++i)
+    scatter += std::pow(block_bias2[i] - bias2 / pixels * block_pixels[i], 2);
+  Totals totals;
+  totals.noise_rms = std::sqrt(squares / pixels) / level;
+  totals.bias_rms = bias_of_difference * std::sqrt(std::max(bias2, 0.0) / pixels) / level;
+  totals.bias_below = bias_of_difference * std::sqrt((std::max(bias2, 0.0) + 2 * std::sqrt(scatter)) / pixels) / level;
+  if (totals.bias_rms < 0.7 * totals.bias_below) totals.bias_rms = 0;
+  totals.level_rms = std::sqrt(std::max(whole2 - squares, 1e-3 * whole2) / pixels) / level;
+  totals.bias = bias_sum / pixels / level;
+  return totals;
 }
 
 std::vector<double> PixelStatistics::state() const {

@@ -35,17 +35,24 @@ class PixelStatistics {
 
   /// Relative to the mean of all pixels that `counts` (of each pixel; empty: all do).
   struct Totals {
-    double noise_rms = 0;  // of a pixel's standard error
-    double bias_rms = 0;   // of a pixel's bias, its own noise taken off
-    double bias = 0;       // mean, with its sign
+    double noise_rms = 0;   // of a pixel's standard error
+    double bias_rms = 0;    // of a pixel's bias, its own noise taken off; 0 where that hides it
+    double bias_below = 0;  // with what noise may hide: two standard errors of that difference more
+    double bias = 0;        // mean, with its sign
+    double level_rms = 1;   // of the pixels themselves: light in few of them makes it large
     double error_rms() const;
+    /// The same over the RMS of the picture, as `greenray compare` has it.
+    double error_of_rms() const { return error_rms() / level_rms; }
+    /// Whether the bias can be told from the noise.
+    bool bias_is_seen() const { return bias_rms > 0; }
   };
   /* bias_rms: the noise of the difference d of the two kernels is known from pass to pass (from one pass alone: half of
      its variance, the share for this pair of Epanechnikov kernels and even photons), so that the mean of d^2 without
      it is that of the bias. It is a multiple of d: 2 where the irradiance is curved, 3.83 (RMS over all distances up to
      the radius) beside a straight step, be it a shadow or the edge of a surface. Rooms have both: their geometric
-     mean, at most 1.4 off. */
-  Totals totals(std::span<const unsigned char> counts = {}) const;
+     mean, at most 1.4 off. bias_below: the standard error of that mean of squares from how it scatters between blocks
+     of 8 x 8 pixels, whose kernels overlap little. columns: of the picture; 0: pixels do not hang together. */
+  Totals totals(std::span<const unsigned char> counts = {}, std::size_t columns = 0) const;
 
   /// All there is, for a checkpoint: passes, then the sums.
   std::vector<double> state() const;

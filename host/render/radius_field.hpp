@@ -18,4 +18,10 @@ namespace greenray {
 void limit_radius_slope(std::span<const GatherPoint> places, std::size_t columns, std::size_t samples, double slope,
                         std::span<float> radius_m);
 
+/* The same for places that came later: each is lowered by the others around it, which stay as they are.
+   around: [places][any number] numbers of others; beyond the last: none */
+void limit_radii_beside(std::span<const GatherPoint> places, std::span<float> radius_m,
+                        std::span<const GatherPoint> others, std::span<const float> other_radius_m,
+                        std::span<const std::size_t> around, double slope);
+
 }  // namespace greenray

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "atmosphere/profile.hpp"
+#include "render/photon_picture.hpp"
 #include "render/room_checkpoint.hpp"
 #include "render/room_choices.hpp"
 #include "render/room_error.hpp"
@@ -97,13 +98,16 @@ class Room {
 
   void restore() {
     const std::size_t pixels = plan_.pixels();
-    const bool lamps_fit = std::all_of(state_.lamp_pixels.begin(), state_.lamp_pixels.end(),
-                                       [&](int i) { return i >= 0 && static_cast<std::size_t>(i) < pixels; });
-    if (state_.sums.size() != 3 * pixels || !lamps_fit) throw RunError("the checkpoint is of another picture");
+    const auto fit = [&](const std::vector<int> &list) {
+      return std::all_of(list.begin(), list.end(),
+                         [&](int i) { return i >= 0 && static_cast<std::size_t>(i) < pixels; });
+    };
+    if (state_.sums.size() != 3 * pixels || !fit(state_.lamp_pixels) || !fit(state_.edge_pixels))
+      throw RunError("the checkpoint is of another picture");
     statistics_->restore(state_.statistics);
     photons_->mapper().set_radii(state_.radii);
     photons_->set_totals(state_.photons);
-    eye_->set_lamp_pixels(state_.lamp_pixels);
+    eye_->set_lamp_pixels(state_.lamp_pixels), eye_->set_edge_pixels(state_.edge_pixels);
     if (statistics_->passes() != state_.passes) throw RunError("the checkpoint is of another picture");
     out_.report.resumed_at = state_.passes;
   }
@@ -158,14 +162,35 @@ class Room {
       stop_if_asked();
       show("picture", 0.5);
       if (pass == 0) eye_->find_radii(*tracer_, photons_->mapper());
-      add(eye_->see(pass, *tracer_, photons_->mapper()));
+      const bool shows_map = options_.photon_map > 0 && !out_.photon_map;
+      const RoomPass seen = eye_->see(pass, *tracer_, photons_->mapper());
+      if (shows_map) picture_photons(seen);
+      add(seen);
     } catch (const Error &error) {
       keep_after(error);
     }
     pass_seconds_ = seconds_since(begin);
-    totals_ = statistics_->totals(counts_);
+    totals_ = statistics_->totals(counts_, static_cast<std::size_t>(plan_.width()));
     state_.photons = photons_->totals();
     if (!options_.checkpoint.empty() && seconds_since(last_kept_) >= options_.checkpoint_seconds) keep();
+  }
+
+  /// Both maps share out the dots as they share the photons.
+  void picture_photons(const RoomPass &seen) {
+    PhotonMap &diffuse = photons_->mapper().diffuse(), *caustic = photons_->mapper().caustic();
+    const double all = static_cast<double>(diffuse.filed() + (caustic ? caustic->filed() : 0));
+    PhotonPicture picture(seen.ends, static_cast<std::size_t>(plan_.width()), static_cast<std::size_t>(plan_.samples),
+                          looks_.waves());
+    for (const PhotonMap *map : {&diffuse, caustic}) {
+      if (!map || map->filed() == 0) continue;
+      const double share = static_cast<double>(map->filed()) / all;
+      picture.show(map->read(), static_cast<std::size_t>(share * static_cast<double>(options_.photon_map)));
+    }
+    SpectralImage &image = out_.photon_map.emplace();
+    image.width = plan_.crop[2] - plan_.crop[0], image.height = plan_.crop[3] - plan_.crop[1];
+    image.wavelength_nm = looks_.wavelength_nm;
+    image.radiance = cropped(picture.power(), looks_.waves(), 1);
+    image.channels["photon_count"] = cropped(picture.counts(), 1, 1);
   }
 
   /// An interrupted or failed pass leaves those before it.
@@ -190,7 +215,7 @@ class Room {
     s.passes = statistics_->passes();
     s.statistics = statistics_->state();
     s.radii = photons_->mapper().radii();
-    s.lamp_pixels = eye_->lamp_pixels();
+    s.lamp_pixels = eye_->lamp_pixels(), s.edge_pixels = eye_->edge_pixels();
     s.seconds = spent_seconds();
     write_checkpoint(options_.checkpoint, checkpoint);
     last_kept_ = Clock::now();
@@ -233,12 +258,13 @@ class Room {
 
   void report() {
     RoomReport &r = out_.report;
-    totals_ = statistics_->totals(counts_);
+    totals_ = statistics_->totals(counts_, static_cast<std::size_t>(plan_.width()));
     r.noise_rms = totals_.noise_rms, r.bias_rms = totals_.bias_rms, r.bias_mean = totals_.bias;
-    r.error_rms = totals_.error_rms();
+    r.bias_below = totals_.bias_below, r.bias_is_seen = totals_.bias_is_seen();
+    r.error_rms = totals_.error_rms(), r.error_of_rms = totals_.error_of_rms();
     r.passes = statistics_->passes(), r.spp = r.passes * plan_.samples, r.photons_a_pass = plan_.photons_a_pass;
     r.aimed_cells = photons_->aimed_cells();
-    r.lamp_pixels = eye_->lamp_pixels().size();
+    r.lamp_pixels = eye_->lamp_pixels().size(), r.edge_pixels = eye_->edge_pixels().size();
     r.photons = photons_->totals();
     r.emit_seconds = r.photons.seconds, r.map_seconds = photons_->map_seconds();
     r.gather_seconds = eye_->gather_seconds(), r.cover_seconds = photons_->cover_seconds(),

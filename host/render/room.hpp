@@ -25,6 +25,7 @@ struct RoomOptions {
   /// With one of these: passes until the estimated error of a pixel (RMS, noise and bias, over the mean) is below, or
   /// until the time is up, earlier sessions of the same picture counted; spp and photons are then limits as well.
   std::optional<double> error_pct, minutes;
+  std::int64_t photon_map = 0;  // photons in the picture of the photon map; 0: no such picture
   /// Where to keep what there is; empty: nowhere. Written when `checkpoint_seconds` have passed since the last one and
   /// when the run ends by an interrupt or an error.
   std::filesystem::path checkpoint;
@@ -37,15 +38,18 @@ struct RoomOptions {
 struct RoomReport {
   PhotonTotals photons;
   std::size_t triangles = 0, spheres = 0, air_cells = 1;
-  double table_error_m = 0;                 // of places on a path across the scene
-  double noise_rms = 0;                     // of a pixel's standard error, relative to the mean radiance
-  double bias_rms = 0;                      // of a pixel's bias, the same way
+  double table_error_m = 0;  // of places on a path across the scene
+  double noise_rms = 0;      // of a pixel's standard error, relative to the mean radiance
+  double bias_rms = 0;       // of a pixel's bias, the same way
+  double bias_below = 0;     // with what the noise may hide of it
+  bool bias_is_seen = false;
   double bias_mean = 0;                     // of the whole picture, with its sign
   double error_rms = 0;                     // both together
+  double error_of_rms = 0;                  // the same over the RMS of the picture
   int passes = 0, spp = 0, resumed_at = 0;  // resumed_at: passes taken from a checkpoint
   std::int64_t photons_a_pass = 0;
   std::size_t aimed_cells = 0;  // of the lights' emission, that caustic photons are aimed at; 0: they are not
-  std::size_t lamp_pixels = 0;  // with more samples, for the edges of lamps
+  std::size_t lamp_pixels = 0, edge_pixels = 0;  // with more samples: at the edges of lamps, of light and dark
   double build_seconds = 0, emit_seconds = 0, map_seconds = 0, gather_seconds = 0, eye_seconds = 0, compile_seconds = 0;
   double table_arcsec = 0, solver_arcsec = 0;  // of directions (render/room_error.hpp)
   double cover_seconds = 0;                    // part of gather_seconds
@@ -54,6 +58,9 @@ struct RoomReport {
 struct RoomPicture {
   SpectralImage image;  // channels: depth_m, bend_mrad, photon_count, noise (standard error of the band mean) and bias
   RoomReport report;
+  /// The photon map by itself (render/photon_picture.hpp), of the first pass that was made now: power of the photons in
+  /// each pixel [W/nm]; its channel photon_count is their number. Empty unless asked for.
+  std::optional<SpectralImage> photon_map;
 };
 
 /// The scene's medium for its wavelengths; n = 1 everywhere without one, or when straight.

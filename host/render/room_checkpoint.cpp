@@ -162,15 +162,16 @@ std::vector<std::string> changed_keys(const RoomIdentity &then, const RoomIdenti
 
 void write_checkpoint(const fs::path &path, const RoomCheckpoint &checkpoint) {
   const RoomState &s = checkpoint.state;
-  const std::string text = Json{{"scene_hash", checkpoint.identity.scene_hash},
-                                {"values", checkpoint.identity.values},
-                                {"options", checkpoint.identity.options},
-                                {"passes", s.passes},
-                                {"photons_a_pass", s.photons_a_pass},
-                                {"photons", totals_json(s.photons)},
-                                {"seconds", s.seconds},
-                                {"counts", {s.statistics.size(), s.radii.size(), s.sums.size(), s.lamp_pixels.size()}}}
-                               .dump();
+  const std::string text =
+      Json{{"scene_hash", checkpoint.identity.scene_hash},
+           {"values", checkpoint.identity.values},
+           {"options", checkpoint.identity.options},
+           {"passes", s.passes},
+           {"photons_a_pass", s.photons_a_pass},
+           {"photons", totals_json(s.photons)},
+           {"seconds", s.seconds},
+           {"counts", {s.statistics.size(), s.radii.size(), s.sums.size(), s.lamp_pixels.size(), s.edge_pixels.size()}}}
+          .dump();
   AtomicFile file(path);
   Writer writer(file);
   const std::uint64_t length = text.size();
@@ -178,6 +179,7 @@ void write_checkpoint(const fs::path &path, const RoomCheckpoint &checkpoint) {
   writer.add(&length, sizeof length);
   writer.add(text.data(), text.size());
   writer.add(s.statistics), writer.add(s.radii), writer.add(s.sums), writer.add(s.lamp_pixels);
+  writer.add(s.edge_pixels);
   writer.end();
   file.commit();
 }
@@ -203,6 +205,7 @@ std::optional<RoomCheckpoint> read_checkpoint(const fs::path &path) {
     const std::vector<std::size_t> counts = head.at("counts");
     reader.take(s.statistics, counts.at(0)), reader.take(s.radii, counts.at(1));
     reader.take(s.sums, counts.at(2)), reader.take(s.lamp_pixels, counts.at(3));
+    reader.take(s.edge_pixels, counts.at(4));
   } catch (const Json::exception &) {
     reader.fail();
   } catch (const std::out_of_range &) {

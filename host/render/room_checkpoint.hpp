@@ -18,7 +18,7 @@ struct RoomState {
   std::vector<double> statistics;  // PixelStatistics::state()
   std::vector<float> radii;        // PhotonMapper::radii()
   std::vector<float> sums;         // of depth, bend and photon count: [3][pixels]
-  std::vector<int> lamp_pixels;
+  std::vector<int> lamp_pixels, edge_pixels;
   double seconds = 0;  // of all sessions
 };
 

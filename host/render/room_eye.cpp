@@ -8,8 +8,6 @@
 namespace greenray {
 namespace {
 
-constexpr std::size_t band_samples = std::size_t{1} << 18;
-
 room_twin::EyeCamera camera_of(const CameraScene &from, const std::array<int, 2> &size) {
   room_twin::EyeCamera c{};
   const Triple ahead = unit(from.to - from.from), right = unit(cross(ahead, from.up)), up = cross(right, ahead);
@@ -27,6 +25,8 @@ room_twin::EyeCamera camera_of(const CameraScene &from, const std::array<int, 2>
   return c;
 }
 
+}  // namespace
+
 GatherPoint point_of(const room_twin::EyeSample &sample) {
   if (!sample.asks) return no_place();
   GatherPoint point{};
@@ -35,31 +35,12 @@ GatherPoint point_of(const room_twin::EyeSample &sample) {
   return point;
 }
 
-/// Smallest and largest value within `reach` pixels along one axis: `step` from one to the next, `count` in a line.
-void spread_along(std::vector<float> &low, std::vector<float> &high, std::size_t lines, std::size_t line_step,
-                  int count, std::size_t step, int reach) {
-  std::vector<float> lows(static_cast<std::size_t>(count)), highs(lows.size());
-  for (std::size_t line = 0; line < lines; ++line) {
-    const auto at = [&](int i) { return line * line_step + static_cast<std::size_t>(i) * step; };
-    for (int i = 0; i < count; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      lows[k] = low[at(i)], highs[k] = high[at(i)];
-      for (int j = std::max(i - reach, 0); j <= std::min(i + reach, count - 1); ++j)
-        lows[k] = std::min(lows[k], low[at(j)]), highs[k] = std::max(highs[k], high[at(j)]);
-    }
-    for (int i = 0; i < count; ++i)
-      low[at(i)] = lows[static_cast<std::size_t>(i)], high[at(i)] = highs[static_cast<std::size_t>(i)];
-  }
-}
-
-}  // namespace
-
 RoomEye::RoomEye(const CameraScene &camera, const RoomPlan &plan, std::uint32_t seed, bool alone, std::size_t waves)
     : from_(camera), plan_(plan), seed_(seed), alone_(alone), waves_(waves) {}
 
 std::vector<RoomEye::Box> RoomEye::bands_of(const Box &box) const {
   const std::size_t row = static_cast<std::size_t>(box[2] - box[0]) * static_cast<std::size_t>(plan_.samples);
-  const int rows = std::max(1, static_cast<int>(band_samples / row));
+  const int rows = std::max(1, static_cast<int>(most_samples / row));
   std::vector<Box> bands;
   for (int y = box[1]; y < box[3]; y += rows) bands.push_back({box[0], y, box[2], std::min(y + rows, box[3])});
   return bands;
@@ -138,9 +119,13 @@ RoomPass RoomEye::see(int pass, RoomTracer &tracer, PhotonMapper &mapper) {
     add_band(box, pass == 0 && first_band_ ? *first_band_ : see_band(box, pass, tracer), mapper, out);
     first_band_.reset();
   }
-  if (pass == 0) find_lamp_edges();
+  // What the pass's own few samples show decides, the same for every crop. Later finds count from the next pass on, so
+  // that nothing is chosen by its own outcome.
+  std::vector<int> found = lamp_edges();
+  if (pass == 0) lamp_pixels_.swap(found), edge_pixels_ = light_edges(out);
+  resample_edges(pass, tracer, mapper, out);
   resample_lamps(pass, tracer, out);
-  if (pass > 0) find_lamp_edges();  // found late: from the next pass on, so that nothing is chosen by its own outcome
+  if (pass > 0) add_lamp_pixels(found);
   return out;
 }
 
@@ -153,15 +138,16 @@ void RoomEye::add_band(const Box &box, const EyeBand &band, PhotonMapper &mapper
       static_cast<std::size_t>(box[1] - plan_.region[1]) * static_cast<std::size_t>(plan_.width());
   const PassIrradiance light = mapper.ask(first_pixel * samples, points);
   gather_seconds_ += light.gather_seconds;
-  for (std::size_t i = 0; i < points.size(); ++i) add_sample(band, light, i, first_pixel + i / samples, out);
+  const float share = 1 / static_cast<float>(samples);
+  for (std::size_t i = 0; i < points.size(); ++i) add_sample(band, light, i, first_pixel + i / samples, share, out);
+  out.ends.insert(out.ends.end(), points.begin(), points.end());
   // Kernels of one pixel share their photons: standard errors add up, not variances.
   const std::size_t pixels = points.size() / samples;
   for (std::size_t p = first_pixel; p < first_pixel + pixels; ++p) out.variance[p] *= out.variance[p];
 }
 
 void RoomEye::add_sample(const EyeBand &band, const PassIrradiance &light, std::size_t i, std::size_t pixel,
-                         RoomPass &out) {
-  const float share = 1 / static_cast<float>(plan_.samples);
+                         float share, RoomPass &out) {
   float irradiance = 0, shown = 0, seen = 0;
   for (std::size_t w = 0; w < waves_; ++w) {
     const float e = band.samples[i].asks ? light.irradiance[i * waves_ + w] : 0;
@@ -178,39 +164,6 @@ void RoomEye::add_sample(const EyeBand &band, const PassIrradiance &light, std::
     out.photon_count[pixel] += share * static_cast<float>(light.photons[i]);
   }
   out.depth_m[pixel] += share * band.samples[i].depth_m, out.bend_mrad[pixel] += share * band.samples[i].bend_mrad;
-}
-
-void RoomEye::find_lamp_edges() {
-  const auto width = static_cast<std::size_t>(plan_.width()), height = static_cast<std::size_t>(plan_.height());
-  std::vector<float> low(plan_.pixels());
-  for (std::size_t i = 0; i < lamps_.size(); ++i) low[i / waves_] += lamps_[i];
-  std::vector<float> high = low;
-  spread_along(low, high, height, width, plan_.width(), 1, RoomPlan::margin);
-  spread_along(low, high, width, 1, plan_.height(), width, RoomPlan::margin);
-  std::vector<int> found;
-  for (std::size_t i = 0; i < low.size(); ++i)
-    if (high[i] - low[i] > 0.01f * high[i]) found.push_back(static_cast<int>(i));
-  std::vector<int> all;
-  std::set_union(found.begin(), found.end(), lamp_pixels_.begin(), lamp_pixels_.end(), std::back_inserter(all));
-  lamp_pixels_ = std::move(all);
-}
-
-/// In place of the lamps that the pass's few samples saw: the mean of many more.
-void RoomEye::resample_lamps(int pass, RoomTracer &tracer, RoomPass &out) {
-  if (lamp_pixels_.empty()) return;
-  room_twin::EyeCamera camera = camera_for(plan_.region, pass);
-  // Each pass has shifts of its own, so that the spread of the passes tells their error.
-  camera.seed = seed_ ^ (0x9e3779b9u * static_cast<std::uint32_t>(pass + 1));
-  camera.first_sample = 0, camera.samples = lamp_samples;
-  const std::vector<float> seen = tracer.see_lamps(camera, lamp_pixels_);
-  for (std::size_t i = 0; i < lamp_pixels_.size(); ++i) {
-    const auto pixel = static_cast<std::size_t>(lamp_pixels_[i]);
-    for (std::size_t w = 0; w < waves_; ++w) {
-      const float more = seen[i * waves_ + w] - lamps_[pixel * waves_ + w];
-      out.radiance[pixel * waves_ + w] = std::max(0.0f, out.radiance[pixel * waves_ + w] + more);
-      out.narrower[pixel] += more;
-    }
-  }
 }
 
 }  // namespace greenray

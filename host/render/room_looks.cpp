@@ -5,6 +5,7 @@
 
 #include "image/exr.hpp"
 #include "image/png.hpp"
+#include "render/room_sun.hpp"
 #include "support/csv_table.hpp"
 #include "support/error.hpp"
 
@@ -120,10 +121,14 @@ class Builder {
   }
 
   void add_light(int number) {
-    const LightScene &from = scene_.lights[static_cast<std::size_t>(number)];
+    LightScene from = scene_.lights[static_cast<std::size_t>(number)];
     using Kind = LightScene::Kind;
+    std::vector<double> shape;  // [wavelengths] of its power
+    if (from.through_air) shape = bring_through_air(from);
+    else shape = shape_of(from.colour);
     room_twin::Light light{};
     light.versine = 2;
+    light.limb = from.limb_darkening ? add_limb() : 0;
     place(from, light);
     double power_W = from.power_W;
     if (from.kind == Kind::sun) power_W = cover_scene(from, light);
@@ -132,7 +137,6 @@ class Builder {
                  : from.kind == Kind::spot ? room_twin::LIGHT_SPOT
                  : from.kind == Kind::area ? room_twin::LIGHT_AREA
                                            : room_twin::LIGHT_SUN;
-    const std::vector<double> shape = shape_of(from.colour);
     const double whole = integral(shape);
     std::size_t w = 0;
     double sum = 0;
@@ -143,6 +147,25 @@ class Builder {
     });
     out_.light_power_W_nm.push_back(sum);
     out_.lights.push_back(light);
+  }
+
+  /// Direction and irradiance of a Sun that shines through the air. returns: its spectrum
+  std::vector<double> bring_through_air(LightScene &from) const {
+    const RoomSun sun = sun_through_air(scene_, from, out_.wavelength_nm);
+    from.direction = travel_from(sun.apparent_altitude_deg, from.azimuth_deg);
+    from.irradiance_W_m2 = integral(sun.irradiance_W_m2_nm);
+    return sun.irradiance_W_m2_nm;
+  }
+
+  /// returns: the first of the rows, one for each power of mu
+  int add_limb() {
+    int first = 0;
+    for (const std::vector<double> &row : limb_rows(out_.wavelength_nm)) {
+      std::size_t w = 0;
+      const int at = add_row([&](double) { return row[w++]; });
+      if (first == 0) first = at;
+    }
+    return first;
   }
 
   static void place(const LightScene &from, room_twin::Light &light) {

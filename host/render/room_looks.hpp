@@ -12,8 +12,8 @@ namespace greenray {
 std::vector<double> room_wavelengths(const RoomScene &scene);
 
 /* Spectra are normalised so that a light's power, samples joined by straight lines, is what the scene says; one
-   wavelength is a band 1 nm wide. Lights without a colour are D65.
-   errors: InputError for a texture that cannot be read */
+   wavelength is a band 1 nm wide. Lights without a colour are D65, a Sun without an irradiance is the Sun through the
+   air above (render/room_sun.hpp). errors: InputError for a texture that cannot be read */
 RoomLooks room_looks(const RoomScene &scene);
 
 /// Shares out the photons of a pass by these weights of the lights: first_photon and photons of each.

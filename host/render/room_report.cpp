@@ -1,14 +1,57 @@
 #include "render/room_report.hpp"
 
+#include <iomanip>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "render/report.hpp"
+#include "render/room_looks.hpp"
 #include "render/room_plan.hpp"
+#include "render/room_sun.hpp"
 #include "support/version.hpp"
 
 namespace greenray {
 
 using Json = nlohmann::json;
+
+namespace {
+
+std::string rounded(double value, int digits) {
+  std::ostringstream text;
+  text << std::setprecision(digits) << value;
+  return text.str();
+}
+
+Json sun_json(const RoomScene &scene) {
+  const LightScene *light = sun_of(scene);
+  if (!light) return Json();
+  const std::vector<double> nm = room_wavelengths(scene);
+  const RoomSun sun = sun_through_air(scene, *light, nm), at_550 = sun_through_air(scene, *light, {550});
+  return {{"true_altitude_deg", sun.true_altitude_deg},
+          {"apparent_altitude_deg", sun.apparent_altitude_deg},
+          {"air_mass", sun.air_mass},
+          {"optical_depth", at_550.optical_depth[0]},
+          {"wavelength_nm", nm},
+          {"irradiance_W_m2_nm", sun.irradiance_W_m2_nm}};
+}
+
+void describe_suns(const RoomScene &scene, std::vector<std::string> &modelled, std::vector<std::string> &left_out) {
+  for (const LightScene &light : scene.lights) {
+    if (light.kind == LightScene::Kind::sun && !light.through_air)
+      left_out.emplace_back("air above the scene: the Sun's irradiance_W_m2 is what arrives");
+    if (!light.through_air) continue;
+    const RoomSun sun = sun_through_air(scene, light, {550});
+    modelled.push_back("the Sun through the air above (" + scene.above.profile.name + "): centre at true altitude " +
+                       rounded(sun.true_altitude_deg, 5) + " deg, seen at " + rounded(sun.apparent_altitude_deg, 5) +
+                       " deg, air mass " + rounded(sun.air_mass, 4) + ", optical depth " +
+                       rounded(sun.optical_depth[0], 3) + " at 550 nm, " +
+                       (scene.above.extinction ? "Rayleigh, ozone and aerosol" : "extinction off") +
+                       (light.limb_darkening ? ", limb darkening" : ""));
+    left_out.emplace_back("light of the sky; the flattening of a low Sun");
+  }
+}
+
+}  // namespace
 
 Json room_plan_json(const RoomScene &scene, const RoomOptions &options) {
   std::vector<std::string> modelled{"light on Lambert surfaces, direct and indirect: photon map",
@@ -16,6 +59,7 @@ Json room_plan_json(const RoomScene &scene, const RoomOptions &options) {
   std::vector<std::string> left_out;
   if (scene.air && !options.straight) modelled.emplace_back("curved paths: chains of parabolas, L/n^2 carried");
   else left_out.push_back(options.straight ? "bending: --straight" : "bending: the scene has no medium");
+  describe_suns(scene, modelled, left_out);
   left_out.emplace_back("scattering in the medium");
   left_out.emplace_back(
       "light that photons of wavelengths other than their leader would take on parted ways, below a two-hundredth of "
@@ -44,6 +88,7 @@ Json room_report_json(const RoomScene &scene, const RoomOptions &options, const 
       {"version", version()},
       {"seed", options.seed},
       {"straight", options.straight},
+      {"sun", sun_json(scene)},
       {"exaggerate", scene.air ? scene.air->exaggerate : 1.0},
       {"device", device_json(device)},
       {"plan", room_plan_json(scene, options)},
@@ -69,15 +114,18 @@ Json room_report_json(const RoomScene &scene, const RoomOptions &options, const 
        {{"count", r.passes},
         {"photons_each", r.photons_a_pass},
         {"from_checkpoint", r.resumed_at},
-        {"pixels_at_lamp_edges", r.lamp_pixels}}},
+        {"pixels_at_lamp_edges", r.lamp_pixels},
+        {"pixels_at_edges", r.edge_pixels}}},
       {"error",
        {{"table_m", r.table_error_m},
         {"table_arcsec", r.table_arcsec},
         {"solver_arcsec", r.solver_arcsec},
         {"noise_rms", r.noise_rms},
         {"bias", r.bias_rms},
+        {"bias_below", r.bias_below},
         {"bias_mean", r.bias_mean},
-        {"total_rms", r.error_rms}}},
+        {"total_rms", r.error_rms},
+        {"total_of_rms", r.error_of_rms}}},
       {"seconds",
        {{"compile", r.compile_seconds},
         {"build", r.build_seconds},

@@ -61,9 +61,7 @@ class SkyMaker {
   /// twilight does.
   double sunlight_on_air(std::size_t wave) const {
     const SpectralAir &air = light_.air[wave];
-    double mean = 0;
-    for (std::size_t k = 0; k < air.limb.size(); ++k) mean += 2 * air.limb[k] / static_cast<double>(k + 2);
-    const double outside = air.sun_centre_radiance * mean * pi * sun_.radius_rad * sun_.radius_rad;
+    const double outside = air.irradiance_outside(sun_.radius_rad);
     const Transfer &ray = light_.towards_sun[wave];
     const Depth depth = depth_of(ray, air);
     const double passed = 1 / (1 + 0.75 * (depth.rayleigh + (1 - aerosol_asymmetry) * depth.aerosol));

@@ -29,7 +29,9 @@ RowOfSight row_of_sight(const f32::SkyView &v, int sample) {
 
 void add_sample(SkyRays &rays, const SkyLight &light, const f32::SkyView &v, int sample, RowSums &sums) {
   const RowOfSight row = row_of_sight(v, sample);
-  TransferTable own = trace_elevations(rays, row.elevations_rad);
+  std::vector<double> azimuths(row.azimuths_rad.begin(), row.azimuths_rad.end());
+  azimuths.push_back(azimuths.back());
+  TransferTable own = trace_directions(rays, row.elevations_rad, azimuths);
   own.rays = for_all_wavelengths(own.rays, own.wavelengths, light.air.size());
   own.wavelengths = light.air.size();
   const int waves = static_cast<int>(light.air.size());

@@ -44,13 +44,6 @@ std::array<double, 6> limb_darkening(const CsvTable &table, double wavelength_nm
   return a;
 }
 
-/// Mean of the disk over its centre: 2 integral of I(mu) mu dmu.
-double mean_over_centre(const std::array<double, 6> &limb) {
-  double mean = 0;
-  for (std::size_t k = 0; k < limb.size(); ++k) mean += 2 * limb[k] / static_cast<double>(k + 2);
-  return mean;
-}
-
 /// A disk that a display shows white: the spectrum of D65, as bright as the Sun at 560 nm (2.6e4 W m^-2 sr^-1 nm^-1).
 SpectralAir academic_air(const CsvTable &d65, double wavelength_nm) {
   SpectralAir air{};
@@ -60,6 +53,16 @@ SpectralAir academic_air(const CsvTable &d65, double wavelength_nm) {
 }
 
 }  // namespace
+
+double SpectralAir::limb_mean() const {
+  double mean = 0;
+  for (std::size_t k = 0; k < limb.size(); ++k) mean += 2 * limb[k] / static_cast<double>(k + 2);
+  return mean;
+}
+
+double SpectralAir::irradiance_outside(double radius_rad) const {
+  return sun_centre_radiance * limb_mean() * pi * radius_rad * radius_rad;
+}
 
 std::vector<double> wavelengths_even_in_refraction(IndexModel model, const std::array<double, 2> &range_nm,
                                                    int samples) {
@@ -100,7 +103,7 @@ std::vector<SpectralAir> spectral_air(const Scene &scene, const std::vector<doub
   for (double nm : wavelength_nm) {
     SpectralAir a{};
     a.limb = scene.sun.limb_darkening ? limb_darkening(limb, nm) : std::array<double, 6>{1, 0, 0, 0, 0, 0};
-    a.sun_centre_radiance = sun.interpolate("nm", "E490", nm, Outside::clamp) / disk_sr / mean_over_centre(a.limb);
+    a.sun_centre_radiance = sun.interpolate("nm", "E490", nm, Outside::clamp) / disk_sr / a.limb_mean();
     if (air.extinction) {
       a.rayleigh_per_kg_m2 = rayleigh_per_kg_m2(rayleigh, nm);
       const double column = air.ozone_DU * molecules_per_m2_per_DU / (ozone_width_m * std::sqrt(2 * pi));

@@ -19,6 +19,11 @@ struct SpectralAir {
   double rayleigh_per_kg_m2;   // optical depth per column of air [m^2/kg]
   double ozone_per_m;          // optical depth per metre of path at the ozone layer's peak
   double aerosol_per_m;        // extinction at the surface [1/m]
+
+  /// Mean radiance of the disk over that of its centre: 2 integral of I(mu) mu dmu.
+  double limb_mean() const;
+  /// Irradiance outside the air by a disk of this radius, on a surface that faces it [W m^-2 nm^-1].
+  double irradiance_outside(double radius_rad) const;
 };
 
 /// Spectrum: ASTM E-490 (2000). Limb darkening: Neckel & Labs 1994. Rayleigh: Bodhaine et al. 1999. Ozone:

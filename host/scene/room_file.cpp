@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "atmosphere/profile_file.hpp"
+#include "scene/absorbers_file.hpp"
 #include "scene/room_reader.hpp"
 
 namespace greenray {
@@ -79,6 +80,11 @@ void read_air(TomlDocument &document, const TomlTable &table, const std::string 
   double exaggerate = 1;
   table.read_word("dispersion", air.index, index_model_words());
   if (table.read("exaggerate", exaggerate, {0, 1e6, "", true})) air.exaggerate *= exaggerate;
+  read_absorbers(table, scene.above);
+  scene.above_is_medium = has_profile && !has_field && air.index_levels.empty();
+  if (scene.above_is_medium) scene.above.profile = air, scene.above.profile.exaggerate = 1;
+  else scene.above.profile.index = air.index;
+  scene.above.profile_source = scene.above.profile.name;
   if (has_profile || has_field) scene.air = air;
   else if (table.has("exaggerate"))
     table.complain("exaggerate", "there is no medium to exaggerate: expected a profile or a field beside it");
@@ -136,6 +142,8 @@ void read_rest(const TomlTable &root, RoomScene &scene) {
   output.read("spectral", scene.output.spectral);
   if (!scene.output.image.empty() && fs::path(scene.output.image).extension() != ".exr")
     output.complain("image", "expected a file name that ends in .exr, found \"" + scene.output.image + "\"");
+  double shown = 0;
+  if (output.read("photon_map", shown, {0, 1e9, "photons"})) scene.photon_map = std::llround(shown);
   output.read("aovs", scene.aovs, {"depth", "photon_count", "bend_mrad", "noise"});
 }
 
@@ -154,6 +162,7 @@ bool is_room_text(const std::string &file, std::string_view text) {
 RoomScene parse_room(const std::string &file, std::string_view text, const std::vector<std::string> &overrides) {
   TomlDocument document(file, text);
   for (const std::string &assignment : overrides) document.override_with(assignment);
+  document.prefer_overridden("atmosphere.aerosol", "visibility_km", "turbidity");
   const TomlTable root = document.root();
   RoomScene scene;
   scene.name = fs::path(file).stem().string();

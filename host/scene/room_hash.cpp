@@ -63,6 +63,15 @@ void add_air(Fingerprint &print, const ProfileSpec &air) {
   for (const IndexLevel &l : air.index_levels) print.add(l.height_m), print.add(l.refractivity);
 }
 
+/// What only a Sun through the air depends on.
+void add_sun(Fingerprint &print, const LightScene &l, const AtmosphereScene &above) {
+  print.add(l.apparent), print.add(l.altitude_deg), print.add(l.site_height_m);
+  add_air(print, above.profile);
+  print.add(above.profile.earth_radius_m), print.add(above.extinction), print.add(above.ozone_DU);
+  print.add(above.visibility_km.value_or(-1)), print.add(above.turbidity.value_or(-1));
+  print.add(above.angstrom), print.add(above.aerosol_scale_height_m);
+}
+
 std::string bytes_of(const std::string &path) {
   if (std::ifstream file(path, std::ios::binary); file) return {std::istreambuf_iterator<char>(file), {}};
   return std::string(embedded_file(path).value_or(""));
@@ -86,7 +95,8 @@ std::string room_hash(const RoomScene &scene) {
   for (const LightScene &l : scene.lights) {
     print.add(static_cast<int>(l.kind)), print.add_all(l.from), print.add_all(l.direction), print.add(l.cone_deg);
     print.add(l.power_W), print.add(l.irradiance_W_m2), print.add(l.diameter_deg), print.add(l.colour);
-    print.add(l.photon_weight);
+    print.add(l.photon_weight), print.add(l.limb_darkening);
+    if (l.through_air) add_sun(print, l, scene.above);
   }
   print.add(static_cast<double>(scene.photons.emitted)), print.add(scene.photons.gather);
   print.add(scene.photons.radius_m.value_or(-1)), print.add(scene.photons.most_bounces);

@@ -29,17 +29,37 @@ void read_aim(const TomlTable &row, LightScene &light) {
   light.direction = unit(to - light.from);
 }
 
-void read_sun(const TomlTable &row, LightScene &light) {
-  double altitude_deg = 45, azimuth_deg = 180;
-  row.require("altitude_deg", "a number from -90 to 90 deg");
-  row.read("altitude_deg", altitude_deg, {-90, 90, "deg"});
-  row.read("azimuth_deg", azimuth_deg, {-360, 360, "deg"});
+/// Where it stands: a true altitude, or an apparent one.
+void read_altitude(const TomlTable &row, LightScene &light) {
+  const Limits limits{-90, 90, "deg"};
+  const bool has_true = row.has("altitude_deg"), has_apparent = row.has("apparent_altitude_deg");
+  if (has_true && has_apparent)
+    row.complain("apparent_altitude_deg", "expected either altitude_deg or apparent_altitude_deg, found both");
+  if (!has_true && !has_apparent)
+    row.require("altitude_deg", limits.text() + " (true), or apparent_altitude_deg (as seen)");
+  row.read("altitude_deg", light.altitude_deg, limits);
+  light.apparent = row.read("apparent_altitude_deg", light.altitude_deg, limits);
+  light.altitude_place = row.place(has_apparent ? "apparent_altitude_deg" : "altitude_deg");
+  row.read("azimuth_deg", light.azimuth_deg, {-360, 360, "deg"});
+  light.direction = travel_from(light.altitude_deg, light.azimuth_deg);
+}
+
+/// Without an irradiance: the real Sun, through the air above the scene.
+void read_sun(const TomlTable &row, bool z_is_height, LightScene &light) {
+  read_altitude(row, light);
   row.read("diameter_deg", light.diameter_deg, {0, 90, "deg"});
-  row.require("irradiance_W_m2", "a number above 0 W/m2, on a surface that faces the Sun");
+  light.through_air = !row.has("irradiance_W_m2");
+  light.limb_darkening = light.through_air;
   row.read("irradiance_W_m2", light.irradiance_W_m2, {0, 1e12, "W/m2", true});
-  // From north (+y) through east (+x); direction of travel, so away from the Sun.
-  const double a = altitude_deg * M_PI / 180, z = azimuth_deg * M_PI / 180;
-  light.direction = {-std::cos(a) * std::sin(z), -std::cos(a) * std::cos(z), -std::sin(a)};
+  row.read("limb_darkening", light.limb_darkening);
+  row.read("site_height_m", light.site_height_m, {0, 1e5, "m"});
+  if (row.has("site_height_m") && (z_is_height || !light.through_air))
+    row.complain("site_height_m", z_is_height ? "z is a height in the scene's own profile already"
+                                              : "expected no irradiance_W_m2 beside it: that is what arrives");
+  for (const char *key : {"colour", "temperature_K"})
+    if (light.through_air && row.has(key))
+      row.complain(key,
+                   "expected irradiance_W_m2 beside it: without one the Sun has its own spectrum, through the air");
 }
 
 void read_area(const TomlTable &row, const RoomNames &names, int number, RoomScene &scene) {
@@ -80,7 +100,7 @@ void read_light(const TomlTable &row, const RoomNames &names, RoomScene &scene) 
   }
   if (light.kind == Kind::area) read_area(row, names, static_cast<int>(scene.lights.size()), scene);
   if (light.kind == Kind::sun) {
-    read_sun(row, light);
+    read_sun(row, scene.above_is_medium, light);
   } else {
     row.require("power_W", "a number above 0 W");
     row.read("power_W", light.power_W, {0, 1e15, "W", true});
@@ -111,6 +131,11 @@ void give_power(RoomScene &scene) {
 }
 
 }  // namespace
+
+Triple travel_from(double altitude_deg, double azimuth_deg) {
+  const double a = altitude_deg * M_PI / 180, z = azimuth_deg * M_PI / 180;
+  return {-std::cos(a) * std::sin(z), -std::cos(a) * std::cos(z), -std::sin(a)};
+}
 
 void read_room_lights(const TomlTable &root, const RoomNames &names, RoomScene &scene) {
   for (const TomlTable &row : root.rows("light")) read_light(row, names, scene);

@@ -55,7 +55,17 @@ struct LightScene {
   double photon_weight = 1;            // its share of the photons is its power times this
   Colour colour;
   SourcePlace place;
+  // sun
+  double altitude_deg = 45, azimuth_deg = 180;  // of its centre; where it stands, from north (+y) through east (+x)
+  bool apparent = false;                        // that altitude is as seen, else outside the air
+  bool through_air = false;                     // its own spectrum, dimmed and bent by the air above the scene
+  bool limb_darkening = false;
+  double site_height_m = 0;  // of z = 0 above the surface of that air
+  SourcePlace altitude_place;
 };
+
+/// Direction in which light travels from a distant source at an altitude and an azimuth (from +y through +x).
+Triple travel_from(double altitude_deg, double azimuth_deg);
 
 struct CameraScene {
   Triple from{}, to{1, 0, 0}, up{0, 0, 1};
@@ -79,6 +89,9 @@ struct RoomScene {
   std::map<std::string, std::string> values;  // of the file, overrides included, by dotted key: to tell what changed
   std::optional<ProfileSpec> air;             // nothing: the same n = 1 everywhere
   double extinction_per_m = 0;
+  /// The air above the scene, for a Sun that shines through it: the profile of the medium where that is air, else us76.
+  AtmosphereScene above;
+  bool above_is_medium = false;  // z is a height in that air
   CameraScene camera;
   std::vector<MaterialScene> materials;
   std::vector<TextureScene> textures;
@@ -89,6 +102,7 @@ struct RoomScene {
   EyeScene eye;
   OutputScene output;
   std::vector<std::string> aovs;
+  std::int64_t photon_map = 0;  // photons in a picture of the photon map; 0: no such picture
   std::vector<SweepScene> sweeps;  // used by `greenray batch`
   std::vector<std::string> notes;
 };

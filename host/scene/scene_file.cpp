@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "atmosphere/profile_file.hpp"
+#include "scene/absorbers_file.hpp"
 #include "scene/ephemeris.hpp"
 #include "support/embedded.hpp"
 #include "support/toml_reader.hpp"
@@ -34,15 +35,6 @@ void read_header(const TomlTable &root, Scene &scene) {
   root.read("title", scene.title);
 }
 
-void read_aerosol(const TomlTable &aerosol, AtmosphereScene &air) {
-  aerosol.read("visibility_km", air.visibility_km, {0, 1000, "km", true});
-  aerosol.read("turbidity", air.turbidity, {1, 100});
-  aerosol.read("angstrom", air.angstrom, {-1, 5});
-  aerosol.read("scale_height_m", air.aerosol_scale_height_m, {0, 1e5, "m", true});
-  if (aerosol.has("visibility_km") && aerosol.has("turbidity"))
-    aerosol.complain("turbidity", "expected either visibility_km or turbidity, found both");
-}
-
 /// [atmosphere]: the profile is loaded first, then the keys that change it.
 void read_atmosphere(TomlDocument &document, const TomlTable &table, const std::string &folder, AtmosphereScene &air) {
   table.read("profile", air.profile_source);
@@ -58,9 +50,7 @@ void read_atmosphere(TomlDocument &document, const TomlTable &table, const std::
   double exaggerate = 1;
   if (table.read("exaggerate", exaggerate, {0, 1e6, "", true})) air.profile.exaggerate *= exaggerate;
   table.read("humidity", air.humidity);
-  table.read("extinction", air.extinction);
-  table.read("ozone_DU", air.ozone_DU, {0, 2000, "DU"});
-  read_aerosol(table.table("aerosol"), air);
+  read_absorbers(table, air);
 }
 
 void read_observer(const TomlTable &table, ObserverScene &observer) {

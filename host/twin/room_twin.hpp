@@ -59,11 +59,13 @@ namespace greenray::room_twin {
 #undef CHAIN_ARCS
 #undef HALF_METRE
 #undef LOOKS_BUFFERS
+#undef LIMB_ROWS
 #undef LOOKS_OF_BUFFERS
 #undef ROW_WAVE_PLACE
 #undef TWO_PI
 #undef COVER_RIM
 #undef COVER_SAMPLES
+#undef COVER_WALLS
 #undef COVER_LEAST
 #undef WAVES
 #undef AIR_IS_CURVED

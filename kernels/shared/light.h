@@ -7,6 +7,10 @@ enum LightKind {
   LIGHT_SUN = 3    /* a distant disk: all of the scene's disk in its direction is lit */
 };
 
+/* Radiance of a disk over its mean at each wavelength: sum over k of row k times mu^k, mu the cosine between a ray and
+   the normal of the sphere it comes from. */
+#define LIMB_ROWS 6
+
 typedef struct Light {
   int kind;
   int power;           /* row: spectral power [W/nm]; of the sun: through the disk that covers the scene */
@@ -16,6 +20,7 @@ typedef struct Light {
   scalar radius_m;     /* spot, point: 0; sun: of the lit disk */
   scalar direction[3]; /* unit, of travel: spot's axis, sun's rays */
   scalar versine;      /* 1 - cos of the half angle of the cone; point: 2; sun: of its own angular radius */
+  int limb;            /* sun: first of the LIMB_ROWS rows of its limb darkening; 0: an even disk */
   scalar area_m2;
   scalar radiance_share;     /* area: radiance = spectral power times this [1/(m^2 sr)] */
   unsigned int first_photon; /* of a pass: photons first_photon .. of the next light are its own */

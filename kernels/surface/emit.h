@@ -35,6 +35,18 @@ DEVICE void emit_from_area(const Geometry *g, const Looks *looks, const Light *l
   *from = leave_surface(&g->bounds, on, normal, normal);
 }
 
+/* What a photon of a darkened disk carries, in place of the disk's mean. u: the word that chose its direction, which is
+   the share of the disk that is nearer to the middle, so that mu^2 = 1 - u. The mean over u is 1: nothing is lost. */
+DEVICE void darken_limb(const Looks *looks, int limb, scalar u, Bundle *b) {
+  if (limb == 0) return;
+  const scalar mu = scalar_root(R(1) - u);
+  for (int w = 0; w < WAVES; ++w) {
+    scalar over_mean = R(0);
+    for (int k = LIMB_ROWS - 1; k >= 0; --k) over_mean = over_mean * mu + looks->spectra[(limb + k) * WAVES + w];
+    b->weight[w] *= over_mean;
+  }
+}
+
 DEVICE void emit_photon(const Geometry *g, const Looks *looks, int number, RandomWords place, RandomWords aim,
                         Vec3 *from, Vec3 *direction) {
   const Light light = looks->lights[number];

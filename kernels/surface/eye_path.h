@@ -34,7 +34,8 @@ DEVICE void start_eye_path(const Air *air, const EyeCamera *c, int column, int r
   const Vec3 d = unit3(
       along(along(vec3(c->ahead[0], c->ahead[1], c->ahead[2]), right, vec3(c->right[0], c->right[1], c->right[2])), up,
             vec3(c->up[0], c->up[1], c->up[2])));
-  b->hero = (int)(((unsigned int)sample + shift.word[2]) % (unsigned int)WAVES);
+  /* Wavelengths of one pixel's paths in golden steps around the spectrum: any few of them cover all of it. */
+  b->hero = (int)(((shift.word[2] + 2654435769u * (unsigned int)sample) >> 16) * (unsigned int)WAVES >> 16);
   b->split = WAVES == 1;
   for (int w = 0; w < WAVES; ++w) b->weight[w] = R(1);
   if (c->alone) split_bundle(b);

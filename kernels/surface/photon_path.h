@@ -119,6 +119,7 @@ DEVICE void start_photon(const Geometry *g, const Air *air, const Looks *looks, 
   if (settings->alone) split_bundle(b);
   Vec3 from, direction;
   emit_photon(g, looks, number, place, aim, &from, &direction);
+  darken_limb(looks, light->limb, R(unit_interval(aim.word[0])), b);
   path->place = from;
   path->row = b->hero;
   path->inside_glass = 0;

@@ -39,6 +39,7 @@ DEVICE void leave_light(const Geometry *g, const Air *air, const Looks *looks, i
   if (alone) split_bundle(b);
   Vec3 direction;
   emit_photon(g, looks, light, place, aim, &path->place, &direction);
+  darken_limb(looks, looks->lights[light].limb, R(unit_interval(aim.word[0])), b);
   path->row = b->hero;
   path->inside_glass = 0;
   path->measured = 0;

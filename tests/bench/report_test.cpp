@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include "bench/pal_air.hpp"
 #include "bench/ratios.hpp"
+#include "bench/trace_suite.hpp"
 #include "render/host_rays.hpp"
 #include "support/angle.hpp"
 #include "support_code/markup.hpp"
@@ -106,6 +108,35 @@ TEST(Ratios, GrowthIsReadOffTheEndsOfTheCurves) {
   EXPECT_DOUBLE_EQ(find(ratios, "all cores / fewest, closed form").value, 1.9);
   EXPECT_EQ(find(ratios, "all cores / fewest, closed form").verdict(), "floor");
   EXPECT_DOUBLE_EQ(find(ratios, "cost of a ray, most rays / a quarter of them, closed form").value, 1.25);
+}
+
+// oracle: by hand: 2 and 4 microseconds of CPU time a photon, 2.5 asked for at most; errors of 4/n^(1/3): slope
+//         -1/3
+// tolerance: rounding
+TEST(Ratios, CostsOfPhotonsAndTheSlopeOfErrors) {
+  Results results;
+  for (const auto &[variant, rate] : {std::pair{"straight", 1e6},
+                                      {"curved", 5e5},
+                                      {"curved, a sixteenth of the photons", 6e5},
+                                      {"curved, many triangles", 4e5},
+                                      {"curved, 16 times as many triangles", 1e5}}) {
+    Record r = point("", "photons", "", rate, 1e-7);
+    r.suite = "geometry", r.case_name = "cross-room", r.variant = variant;
+    results.records.push_back(r);
+  }
+  const std::vector<Ratio> ratios = ratios_of(results);
+  const Ratio bending = find(ratios, "cost of a photon, curved / straight");
+  EXPECT_DOUBLE_EQ(bending.value, 2);
+  EXPECT_EQ(bending.verdict(), "floor");
+  EXPECT_DOUBLE_EQ(find(ratios, "cost of a photon, 16 times the photons").value, 1.2);
+  EXPECT_EQ(find(ratios, "cost of a photon, 16 times the triangles").verdict(), "missed");
+  std::vector<Record> records;
+  for (const double n : {1e3, 8e3, 64e3}) {
+    records.push_back(point("", "progressive", "", 1, 4 / std::cbrt(n)));
+    records.back().more["photons"] = n;
+  }
+  EXPECT_NEAR(convergence_slope(records), -1.0 / 3, 1e-12);
+  EXPECT_EQ(convergence_slope({records[0]}), 0);
 }
 
 // oracle: XML 1.0 by a checker of a few lines; HTML's ways to reach out: links, scripts, sources, imports

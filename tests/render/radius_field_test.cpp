@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -62,6 +63,35 @@ TEST(RadiusField, LeavesOtherSidesAlone) {
   limited = radius;
   limit_radius_slope(points, 0, 1, 0.2, limited);
   EXPECT_EQ(limited, radius);
+}
+
+// oracle: the least of a place's own radius and those around it that face the same way, each with its distance's share
+// tolerance: rounding
+TEST(RadiusField, LaterPlacesAreLimitedByThoseAroundThem) {
+  std::vector<GatherPoint> others = floor_points(6, 5, 2, 3);
+  for (std::size_t i = 0; i < others.size(); i += 5) others[i].normal = photon_twin::pack_normal(1, 0, 0);
+  const std::vector<GatherPoint> places = floor_points(6, 5, 1, 4);
+  std::mt19937 engine(5);
+  std::uniform_real_distribution<float> size(0.1f, 3.0f);
+  std::vector<float> other_radius, radius;
+  for (std::size_t i = 0; i < others.size(); ++i) other_radius.push_back(size(engine));
+  for (std::size_t i = 0; i < places.size(); ++i) radius.push_back(size(engine));
+  std::vector<std::size_t> around;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    for (int k = 0; k < 7; ++k) around.push_back(k == 0 ? ~std::size_t{0} : engine() % others.size());
+  std::vector<float> limited = radius;
+  limit_radii_beside(places, limited, others, other_radius, around, 0.3);
+  bool any = false;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    double expected = static_cast<double>(radius[i]);
+    for (std::size_t k = 7 * i + 1; k < 7 * i + 7; ++k)
+      if (around[k] % 5 != 0)
+        expected = std::min(
+            expected, static_cast<double>(other_radius[around[k]]) + 0.3 * distance_m(places[i], others[around[k]]));
+    EXPECT_NEAR(static_cast<double>(limited[i]), expected, 1e-5) << i;
+    any = any || limited[i] < radius[i];
+  }
+  EXPECT_TRUE(any);
 }
 
 }  // namespace
