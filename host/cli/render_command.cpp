@@ -189,6 +189,7 @@ int render_picture(const Arguments &a, Session &session) {
   options.progress = [&](const std::string &phase, double fraction, double noise) {
     progress.show(phase, fraction, noise);
   };
+  options.cache = &session.sights();
   const Rendered rendered = render(scene, plan, options, device);
   progress.end();
   if (rendered.report.sun_optical_depth.value_or(0) > 14)

@@ -103,14 +103,45 @@ struct PhotonMapper::State {
     const auto begin = side.radius_m.begin() + static_cast<std::ptrdiff_t>(first);
     std::vector<float> radius_m(begin, begin + static_cast<std::ptrdiff_t>(places.size()));
     for (float &r : radius_m) r *= static_cast<float>(ratio);
-    estimate(side, places, radius_m, sum);
+    estimate(side, places, std::move(radius_m), sum);
   }
 
-  void estimate(Side &side, std::span<const GatherPoint> places, std::span<const float> radius_m, PassIrradiance &sum) {
+  /// Radii that reach photons behind a wall end at it. Whether there are any is asked of the map at a place there, so
+  /// that the dark under a block that stands on a floor costs nothing.
+  void stop_at_walls(Side &side, std::span<const GatherPoint> places, std::span<float> radius_m,
+                     std::vector<GatherCover> &covers) {
+    std::vector<std::size_t> beside;
+    std::vector<GatherPoint> behind;
+    std::vector<float> half_m;
+    for (std::size_t i = 0; i < covers.size(); ++i)
+      if (covers[i].clear < 1) {
+        beside.push_back(i), behind.push_back(covers[i].hidden);
+        half_m.push_back(std::max(0.5f, 1 - covers[i].clear) * radius_m[i]);
+      }
+    if (beside.empty()) return;
+    gather.set_points(behind);
+    gather.within(side.map, settings(), half_m);
+    const std::vector<Gathered> lit_behind = gather.read().gathered;
+    std::vector<std::size_t> shortened;
+    std::vector<GatherPoint> again;
+    std::vector<float> shorter_m;
+    for (std::size_t k = 0; k < beside.size(); ++k) {
+      if (lit_behind[k].count == 0) continue;
+      const std::size_t i = beside[k];
+      radius_m[i] *= std::max(covers[i].clear, least_clear);
+      shortened.push_back(i), again.push_back(places[i]), shorter_m.push_back(radius_m[i]);
+    }
+    if (shortened.empty()) return;
+    const std::vector<GatherCover> found = options.cover(again, shorter_m);
+    for (std::size_t k = 0; k < shortened.size(); ++k) covers[shortened[k]] = found[k];
+  }
+
+  void estimate(Side &side, std::span<const GatherPoint> places, std::vector<float> radius_m, PassIrradiance &sum) {
+    std::vector<GatherCover> covers(places.size());
+    if (options.cover) covers = options.cover(places, radius_m), stop_at_walls(side, places, radius_m, covers);
+    gather.set_points(places);
     gather.within(side.map, settings(), radius_m);
     const GatherAnswers answers = gather.read();
-    std::vector<GatherCover> covers(places.size());
-    if (options.cover) covers = options.cover(places, radius_m);
     const auto waves = static_cast<std::size_t>(options.waves);
     for (std::size_t i = 0; i < places.size(); ++i) {
       const float whole = 1 / covers[i].whole;
@@ -142,7 +173,7 @@ struct PhotonMapper::State {
       for (const Gathered &g : gather.read().gathered)
         radius_m.push_back((1 - 3e-7f) * g.radius_m * static_cast<float>(ratio));
       if (first == 0) middle_m = median(radius_m);
-      estimate(side, part, radius_m, here);
+      estimate(side, part, std::move(radius_m), here);
       const auto at = [&](auto &values, std::size_t each) {
         return values.begin() + static_cast<std::ptrdiff_t>(first * each);
       };
@@ -176,6 +207,7 @@ struct PhotonMapper::State {
   PhotonGather gather;
   Side diffuse;
   std::unique_ptr<Side> caustic;
+  static constexpr float least_clear = 0.03f;  // of the radius that is left at the foot of a wall
   static constexpr std::size_t lit_at_once = std::size_t{1} << 18;
   std::optional<LitPhotons> lit;
   int lit_pass = -1;

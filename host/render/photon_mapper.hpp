@@ -11,8 +11,10 @@
 namespace greenray {
 
 /// Part of a gather's disc that surfaces fill, of the whole one and of the one of half its area: 1 away from edges.
+/// clear: of the radius, up to what stands in the disc before surfaces behind it; `hidden` is a place there.
 struct GatherCover {
-  float whole = 1, inner = 1;
+  float whole = 1, inner = 1, clear = 1;
+  GatherPoint hidden{};
 };
 using CoverFinder =
     std::function<std::vector<GatherCover>(std::span<const GatherPoint> places, std::span<const float> radius_m)>;

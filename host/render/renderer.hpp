@@ -13,6 +13,8 @@
 
 namespace greenray {
 
+struct SkySightCache;
+
 struct RenderOptions {
   std::uint64_t seed = 1;
   bool straight = false;                   // no bending, for comparison
@@ -23,6 +25,7 @@ struct RenderOptions {
   std::optional<int> spp;  // these three override tracing.quality; the first one reached stops
   std::optional<double> error_pct, minutes;
   std::function<void(const std::string &phase, double fraction, double noise)> progress;
+  SkySightCache *cache = nullptr;  // rays of sight of the picture before, for this one if it has the same
 };
 
 /// One decision of the planner: what was chosen, why, and what the choice costs in accuracy.

@@ -164,7 +164,10 @@ std::vector<GatherCover> RoomPhotons::find_cover(std::span<const GatherPoint> pl
   const std::vector<room_twin::Cover> found =
       tracer_.cover(places, radius_m, defaults.flatness, std::cos(defaults.facing_deg * M_PI / 180));
   std::vector<GatherCover> covers;
-  for (const room_twin::Cover &c : found) covers.push_back({c.whole, c.inner});
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const room_twin::Cover &c = found[i];
+    covers.push_back({c.whole, c.inner, c.clear, {{c.hidden[0], c.hidden[1], c.hidden[2]}, places[i].normal}});
+  }
   cover_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() -
                     (device_->compile_seconds() - compiled);
   return covers;

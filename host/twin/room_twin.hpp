@@ -65,6 +65,7 @@ namespace greenray::room_twin {
 #undef TWO_PI
 #undef COVER_RIM
 #undef COVER_SAMPLES
+#undef COVER_WALLS
 #undef COVER_LEAST
 #undef WAVES
 #undef AIR_IS_CURVED

@@ -6,6 +6,7 @@ typedef struct Crowd {
   Rows rows;
   int bits;            /* crowded rows among `rows` that are still to be met */
   int cell, cell_last; /* cells of the row cell .. cell_last - 1 */
+  int nearest_first; /* blocks of a dense cell */
   int in_walk;
   Walk walk;       /* of a dense cell */
   int first, last; /* photons first .. last - 1 */
@@ -13,8 +14,9 @@ typedef struct Crowd {
 
 DEVICE int is_crowded(int first, int last) { return last - first >= DENSE; }
 
-DEVICE Crowd crowd(void) {
+DEVICE Crowd crowd(int nearest_first) {
   Crowd crowd;
+  crowd.nearest_first = nearest_first;
   crowd.row = crowd.bits = crowd.cell = crowd.cell_last = crowd.in_walk = 0;
   return crowd;
 }
@@ -59,7 +61,7 @@ DEVICE int next_run(Crowd *crowd, const PhotonArrays *map, const PhotonGrid *gri
     }
     crowd->first = map->cell_start[crowd->cell], crowd->last = map->cell_start[++crowd->cell];
     if (crowd->last - crowd->first >= DENSE) {
-      start_walk(&crowd->walk, map->boxes, crowd->first, crowd->last, x, y, z, limit2);
+      start_walk(&crowd->walk, map->boxes, crowd->first, crowd->last, x, y, z, limit2, crowd->nearest_first);
       crowd->in_walk = 1;
     } else if (crowd->first < crowd->last) {
       return 1;

@@ -114,7 +114,7 @@ DEVICE int gather_within(const PhotonArrays *map, const PhotonGrid *grid, const 
     }
   }
   if (crowded) {
-    Crowd among = crowd();
+    Crowd among = crowd(0);
     while (next_run(&among, map, grid, &ball, a->x_m, a->y_m, a->z_m, radius2))
       for (int i = among.first; i < among.last; i += LANES)
         add_photons(&sums, map, a, i, among.last, radius2, per_radius2, per_cone);

@@ -65,7 +65,7 @@ DEVICE Survey survey_map(const Distances *d, float limit) {
         survey_lanes(&s, distances2(d->map, a, i, LANE_NUMBERS < last - i), limit);
     }
   }
-  Crowd among = crowd();
+  Crowd among = crowd(0);
   while (next_run(&among, d->map, d->grid, &ball, a->x_m, a->y_m, a->z_m, d->limit2))
     for (int i = among.first; i < among.last; i += LANES)
       survey_lanes(&s, distances2(d->map, a, i, LANE_NUMBERS < among.last - i), limit);
@@ -119,7 +119,7 @@ DEVICE void strike_out(Distances *d) {
     d->limit_is_kth = 1;
   }
   int kept = 0;
-  for (int g = 0; g < NEAR_GROUPS; ++g)
+  for (int g = 0; g < d->groups; ++g)
     for (int l = 0; l < LANES; ++l) {
       const float d2 = LANE(d->list[g], l);
       LANE(d->list[kept / LANES], kept % LANES) = d2;
@@ -132,8 +132,8 @@ DEVICE void strike_out(Distances *d) {
 }
 #endif
 
-/* limit2 and counts are held in registers while a run is listed. */
-DEVICE void list_run(Distances *d, int first, int last) {
+/* room: groups in the list before it is shortened. limit2, counts and groups are held in registers meanwhile. */
+DEVICE void list_run(Distances *d, int first, int last, int room) {
   float limit2 = d->limit2;
   mask counts = d->counts;
   int groups = d->groups;
@@ -144,8 +144,8 @@ DEVICE void list_run(Distances *d, int first, int last) {
 #if NEAR_GROUPS > 0
     if (groups >= NEAR_GROUPS) continue;
     d->list[groups] = is_near ? d2 : SPREAD(HUGE_F);
-    if (++groups < NEAR_GROUPS) continue;
-    d->counts = counts;
+    if (++groups < room) continue;
+    d->counts = counts, d->groups = groups;
     strike_out(d);
     limit2 = d->limit2, counts = d->counts, groups = d->groups;
 #endif
@@ -168,13 +168,14 @@ DEVICE void list_distances(Distances *d, float radius_m) {
     for (int l = 0; l < LANES; ++l) {
       const int first = LANE_INT(rows.first, l), last = LANE_INT(rows.last, l);
       if (is_crowded(first, last)) crowded = 1;
-      else list_run(d, first, last);
+      else list_run(d, first, last, NEAR_GROUPS);
     }
   }
   if (crowded) {
-    Crowd among = crowd();
+    const int few = 4 * d->k / LANES, room = few < 64 ? 64 : few < NEAR_GROUPS ? few : NEAR_GROUPS;
+    Crowd among = crowd(1);
     while (next_run(&among, d->map, d->grid, &ball, a->x_m, a->y_m, a->z_m, d->limit2))
-      list_run(d, among.first, among.last);
+      list_run(d, among.first, among.last, room);
   }
   d->count = lane_count(d->counts);
 }

@@ -7,6 +7,7 @@
 
 #define COVER_RIM 6      /* looks at the rim: if all find a surface, the disc is taken as whole */
 #define COVER_SAMPLES 16 /* looks into the disc otherwise */
+#define COVER_WALLS 12   /* looks at what stands in a disc that is not whole */
 #define COVER_LEAST 0.0625f
 
 typedef struct CoverDisc {
@@ -40,17 +41,27 @@ DEVICE int find_past_glass(const Geometry *g, GLOBAL const Material *materials, 
   return 0;
 }
 
-/* Is there a surface at these coordinates of the disc's plane (in radii), in sight from just above the middle? */
-DEVICE int disc_is_covered(const Geometry *g, GLOBAL const Material *materials, const CoverDisc *d, scalar x,
-                           scalar y) {
+enum DiscLook {
+  LOOK_EMPTY = 0,
+  LOOK_COVERED = 1, /* a Lambert surface in sight */
+  LOOK_HIDDEN = 2   /* one, but something stands before it */
+};
+
+/* What is at these coordinates of the disc's plane (in radii), seen from just above the middle. *reach: how far the
+   look got [m]. */
+DEVICE int look_at_disc(const Geometry *g, GLOBAL const Material *materials, const CoverDisc *d, scalar x, scalar y,
+                        scalar *reach, Vec3 *place) {
   const Vec3 way = along(times(d->first, x * d->radius), y * d->radius, d->second);
   const Vec3 above = along(d->place, d->height, d->normal);
   SurfaceHit hit;
-  if (find_past_glass(g, materials, above, way, &hit)) return 0;
-  if (!find_past_glass(g, materials, plus(above, way), times(d->normal, R(-2) * d->height), &hit)) return 0;
-  if (materials[material_of(g, hit.primitive)].kind != MATERIAL_LAMBERT) return 0;
+  const int blocked = find_past_glass(g, materials, above, way, &hit);
+  if (blocked) *reach = length3(minus(hit.place, above));
+  if (!find_past_glass(g, materials, plus(above, way), times(d->normal, R(-2) * d->height), &hit)) return LOOK_EMPTY;
+  if (materials[material_of(g, hit.primitive)].kind != MATERIAL_LAMBERT) return LOOK_EMPTY;
   put_on_surface(g, &hit);
-  return scalar_magnitude(dot3(hit.normal, d->normal)) >= d->facing;
+  if (scalar_magnitude(dot3(hit.normal, d->normal)) < d->facing) return LOOK_EMPTY;
+  *place = hit.place;
+  return blocked ? LOOK_HIDDEN : LOOK_COVERED;
 }
 
 DEVICE CoverDisc cover_disc(const Geometry *g, const GatherPoint *point, scalar radius, const CoverSettings *s) {
@@ -141,15 +152,27 @@ DEVICE int disc_is_plain(const Geometry *g, GLOBAL const Material *materials, co
   return met == DISC_INSIDE;
 }
 
+DEVICE void note_hidden(Cover *cover, const CoverDisc *d, scalar reach, Vec3 place) {
+  if (reach >= cover->clear * d->radius) return;
+  cover->clear = reach / d->radius;
+  cover->hidden[0] = place.x;
+  cover->hidden[1] = place.y;
+  cover->hidden[2] = place.z;
+}
+
 /* turn: 0..1, of the pattern of looks, so that neighbouring places do not err alike */
 DEVICE Cover find_cover(const Geometry *g, GLOBAL const Material *materials, const CoverDisc *d, scalar turn) {
   Cover cover;
-  cover.whole = cover.inner = 1;
-  int all = 1;
+  cover.whole = cover.inner = cover.clear = 1;
+  cover.hidden[0] = cover.hidden[1] = cover.hidden[2] = 0;
   if (!(d->radius > R(0)) || disc_is_plain(g, materials, d)) return cover;
+  int all = 1;
+  scalar reach;
+  Vec3 place;
   for (int i = 0; i < COVER_RIM && all; ++i) {
     const scalar angle = TWO_PI * ((scalar)i + turn) / COVER_RIM;
-    all = disc_is_covered(g, materials, d, R(0.9) * scalar_cosine(angle), R(0.9) * scalar_sine(angle));
+    all = look_at_disc(g, materials, d, R(0.9) * scalar_cosine(angle), R(0.9) * scalar_sine(angle), &reach, &place) ==
+          LOOK_COVERED;
   }
   if (all) return cover;
   /* Equal shares of the kernel 1 - q, q = (d/r)^2: u = 2 q - q^2. The kernel of half the area is 1 - 2 q. */
@@ -159,9 +182,17 @@ DEVICE Cover find_cover(const Geometry *g, GLOBAL const Material *materials, con
     const scalar angle = TWO_PI * (R(0.618033988749895) * (scalar)i + turn);
     const scalar weight = q < R(0.5) ? (R(1) - R(2) * q) / (R(1) - q) : R(0);
     inner_all += weight;
-    if (!disc_is_covered(g, materials, d, distance * scalar_cosine(angle), distance * scalar_sine(angle))) continue;
+    if (look_at_disc(g, materials, d, distance * scalar_cosine(angle), distance * scalar_sine(angle), &reach, &place) !=
+        LOOK_COVERED)
+      continue;
     whole += R(1);
     inner += weight;
+  }
+  /* The rim in all directions: the nearest point of a wall is at most 15 degrees beside one of them. */
+  for (int i = 0; i < COVER_WALLS; ++i) {
+    const scalar angle = TWO_PI * ((scalar)i + turn) / COVER_WALLS;
+    if (look_at_disc(g, materials, d, scalar_cosine(angle), scalar_sine(angle), &reach, &place) == LOOK_HIDDEN)
+      note_hidden(&cover, d, reach, place);
   }
   cover.whole = scalar_larger(whole / COVER_SAMPLES, COVER_LEAST);
   cover.inner = scalar_larger(inner / inner_all, COVER_LEAST);

@@ -163,7 +163,7 @@ TEST(CurvedPhotons, CrossIsShiftedByWhatTheRaysOfTheProfileSay) {
   const Profile profile(*scene.air);
   const LayeredMedium air = layered_medium(profile, true);
   const double window_m = std::hypot(6, 0.45), from = 1.8;  // the plane through the spot and y = 0.45 in the window
-  double lowest = 1e9;
+  double lowest = 1e9, highest = -1e9;
   for (int i = 0; i <= 60; ++i) {
     const double edge = 2.1 + 0.3 * i / 60;
     double low = -0.2, high = 0.3;
@@ -171,7 +171,8 @@ TEST(CurvedPhotons, CrossIsShiftedByWhatTheRaysOfTheProfileSay) {
       const double slope = 0.5 * (low + high);
       (ray_height_m(air, from, slope, window_m) < edge ? low : high) = slope;
     }
-    lowest = std::min(lowest, ray_height_m(air, from, 0.5 * (low + high), 2 * window_m));
+    const double lands = ray_height_m(air, from, 0.5 * (low + high), 2 * window_m);
+    lowest = std::min(lowest, lands), highest = std::max(highest, lands);
   }
   for (const bool straight : {false, true}) {
     const LandedPhotons landed = land_photons(scene, 600000, straight);
@@ -184,14 +185,19 @@ TEST(CurvedPhotons, CrossIsShiftedByWhatTheRaysOfTheProfileSay) {
     std::sort(heights.begin(), heights.end());
     std::vector<int> bins(600, 0);
     for (const double z : heights) ++bins[static_cast<std::size_t>(std::clamp(z / 0.005, 0.0, 599.0))];
-    const int dense = *std::max_element(bins.begin(), bins.end()) / 8;
-    int first = 599;
+    std::vector<int> sorted = bins;
+    std::sort(sorted.begin(), sorted.end());
+    const int dense = 6 * sorted[200] + 12;  // most of the wall's height is lit by other walls only
+    int first = 599, last = 0;
     for (int b = 0; b < 600; ++b)
-      if (bins[static_cast<std::size_t>(b)] > dense) first = std::min(first, b);
+      if (bins[static_cast<std::size_t>(b)] > dense) first = std::min(first, b), last = std::max(last, b);
     if (straight) {
       EXPECT_NEAR(0.005 * first, 2 * 2.1 - from, 0.006);
+      EXPECT_NEAR(0.005 * (last + 1), 2 * 2.4 - from, 0.006) << "where the wall meets the ceiling";
     } else {
       EXPECT_NEAR(0.005 * first, lowest, 0.006);
+      EXPECT_NEAR(0.005 * (last + 1), highest, 0.006);
+      EXPECT_LT(highest, 2 * 2.4 - from - 0.5) << "folded upon itself";
       EXPECT_LT(lowest, 2 * 2.1 - from - 0.1) << "away from the hot ceiling";
     }
   }
