@@ -31,6 +31,7 @@ DEVICE void enter_cells(March *w, SectionTable table, const TraceSettings *setti
 DEVICE void start_beside(March *w, SectionTable table, GLOBAL const RayStart *rays, int first, int last) {
   const real zero = SPREAD(0);
   w->y.run_change = w->y.distance_m = w->y.across_m = w->y.drift = zero;
+  w->bending_rest_rad = w->path_rest_m = zero;
   w->uniform_turns = w->at_side = SPREAD_INT(0);
   w->medium.sideways = 0;
   for (int i = 0; i < LANES; ++i) {
@@ -74,7 +75,22 @@ DEVICE real sigma_to_distance(const March *w, const RaySlope *slope) {
   return endless ? SPREAD(R(1e30)) : larger(corrected, SPREAD(0));
 }
 
+/* A ray through a long duct is bent by degrees in a thousand steps: their sums are kept with what rounding takes from
+   them (Kahan, Comm. ACM 8 (1965) 40), and a step starts from sums of 0 so that only its own change is added. */
+DEVICE RayState without_sums(const RayState *y) {
+  RayState from = *y;
+  from.bending_rad = from.optical_path_m = SPREAD(0);
+  return from;
+}
+DEVICE void add_to_sum(real *sum, real *rest, real change, mask accepted) {
+  const real wanted = change - *rest, reached = *sum + wanted;
+  *rest = accepted ? (reached - *sum) - wanted : *rest;
+  *sum = accepted ? reached : *sum;
+}
+
 DEVICE void keep_beside(March *w, const RayState *end, mask accepted) {
+  add_to_sum(&w->y.bending_rad, &w->bending_rest_rad, end->bending_rad, accepted);
+  add_to_sum(&w->y.optical_path_m, &w->path_rest_m, end->optical_path_m, accepted);
   w->y.run_change = accepted ? end->run_change : w->y.run_change;
   w->y.along_m = accepted ? end->along_m : w->y.along_m;
   w->y.distance_m = accepted ? end->distance_m : w->y.distance_m;

@@ -41,6 +41,7 @@ typedef struct March {
   mask uniform_turns;                                        /* turning points where nothing varies any more */
   mask at_side;
   real width_m;
+  real bending_rest_rad, path_rest_m; /* what the sums have lost to rounding */
 #endif
 } March;
 
@@ -216,7 +217,12 @@ DEVICE void try_step(March *w, const RaySlope *slope, const TraceSettings *setti
   const real h = larger(smaller(w->step_m, allowed), smallest_m);
 
   real error;
+#if MEDIUM_VARIES
+  const RayState from = without_sums(&w->y);
+  const RayState end = INTEGRATOR_STEP(m, &from, slope, h, &error);
+#else
   const RayState end = INTEGRATOR_STEP(m, &w->y, slope, h, &error);
+#endif
   const real tolerance = settings->tolerance_rad + R(2) * ROUNDING * magnitude(end.rise);
   const real beyond = beyond_edge_m(&m->cell, w->heading, end.above_m);
   const mask overshot = beyond > R(4) * LANDING * m->cell.thickness_m;
@@ -238,8 +244,10 @@ DEVICE void try_step(March *w, const RaySlope *slope, const TraceSettings *setti
 #endif
   w->y.above_m = accepted ? end.above_m : w->y.above_m;
   w->y.rise = accepted ? end.rise : w->y.rise;
+#if !MEDIUM_VARIES
   w->y.bending_rad = accepted ? end.bending_rad : w->y.bending_rad;
   w->y.optical_path_m = accepted ? end.optical_path_m : w->y.optical_path_m;
+#endif
 #if WITH_COLUMNS
   for (int i = 0; i < 3; ++i) w->y.column[i] = accepted ? end.column[i] : w->y.column[i];
 #endif
