@@ -68,14 +68,21 @@ void SkySight::measure_table() {
     elevations.push_back(to_rad(plan_.first_elevation_deg) +
                          from_arcsec(plan_.spacing_arcsec) * static_cast<double>(plan_.entries - 1) * (i + 0.5) / 48);
   const std::vector<f64::RayEnd> ours = rays_->trace(elevations);
-  const auto worse = [](double &worst, const f64::RayEnd &a, const f64::RayEnd &b) {
+  const auto worse = [](double &worst, const f64::RayEnd &a, const f64::RayEnd &b, double stretch) {
     if (a.outcome == f64::RAY_SPACE && b.outcome == f64::RAY_SPACE)
-      worst = std::max(worst, to_arcsec(std::abs(a.bending_rad - b.bending_rad)));
+      worst = std::max(worst, to_arcsec(std::abs(a.bending_rad - b.bending_rad)) / stretch);
   };
   for (std::size_t i = 0; i < elevations.size(); ++i) {
     const f64::RayEnd a = through_table(elevations[i]);
-    worse(report_.table_arcsec, a, through_fine(elevations[i]));
-    if (measures_solver()) worse(report_.solver_arcsec, a, ours[i * plan_.bent_nm.size() + row]);
+    double stretch = 1;  // a duct that varies folds the sky many times over: there, the direction that is seen wrongly
+    if (plan_.section) {
+      constexpr double beside_rad = 1e-7;
+      const f64::RayEnd beside = through_table(elevations[i] + beside_rad);
+      if (beside.outcome == a.outcome)
+        stretch = std::max(1.0, std::abs(beside.bending_rad - a.bending_rad) / beside_rad);
+    }
+    worse(report_.table_arcsec, a, through_fine(elevations[i]), stretch);
+    if (measures_solver()) worse(report_.solver_arcsec, a, ours[i * plan_.bent_nm.size() + row], stretch);
   }
 }
 
@@ -110,7 +117,10 @@ void SkySight::trace_table() {
   const double compiled_before = device_->compile_seconds();
   const double low = to_rad(plan_.first_elevation_deg), spacing = from_arcsec(plan_.spacing_arcsec);
   const double high = low + spacing * static_cast<double>(plan_.entries - 1);
-  curve_ = trace_transfer_curve(*rays_, low, std::min(high, pi / 2), table_arcsec_);
+  // Through a duct that varies the curve may fold without end: it is followed as finely as pixels can show.
+  const double finest_rad = plan_.section ? spacing / 16 : 2e-9;
+  const double tolerance_arcsec = plan_.section ? std::max(table_arcsec_, plan_.pixel_arcsec / 50) : table_arcsec_;
+  curve_ = trace_transfer_curve(*rays_, low, std::min(high, pi / 2), tolerance_arcsec, finest_rad);
   report_.curve_entries = curve_.elevation_rad.size();
   transfer_ = evenly_spaced(curve_, low, spacing, plan_.entries);
   report_.trace = rays_->stats();  // of the picture's own rays; those below are measurements

@@ -9,7 +9,6 @@ namespace greenray {
 namespace {
 
 constexpr double relative_tolerance = 1e-3;  // of columns and distance
-constexpr double narrowest_rad = 2e-9;       // no interval is split further
 constexpr int most_levels = 26;
 
 /// One elevation with the rays of all wavelengths.
@@ -38,8 +37,11 @@ double misfit(const Transfer &a, const Transfer &middle, const Transfer &b, doub
 
 class CurveTracer {
  public:
-  CurveTracer(SkyRays &rays, double tolerance_arcsec)
-      : rays_(rays), waves_(rays.wavelengths_nm().size()), tolerance_rad_(from_arcsec(tolerance_arcsec)) {
+  CurveTracer(SkyRays &rays, double tolerance_arcsec, double narrowest_rad)
+      : rays_(rays),
+        waves_(rays.wavelengths_nm().size()),
+        tolerance_rad_(from_arcsec(tolerance_arcsec)),
+        narrowest_rad_(narrowest_rad) {
     for (std::size_t w = 0; w < waves_; ++w)
       breaks_.push_back(rays.varies() ? std::vector<double>{} : breaks_rad(rays.layers(), w));
   }
@@ -111,7 +113,7 @@ class CurveTracer {
         if (!broken(open[k], w))
           worst = std::max(worst, misfit(entries_[open[k].low].rays[w], entries_[first + k].rays[w],
                                          entries_[open[k].high].rays[w], width, tolerance_rad_));
-      if (worst > 1 && width > narrowest_rad) {
+      if (worst > 1 && width > narrowest_rad_) {
         const std::size_t middle = first + kept.size();
         kept.push_back(std::move(entries_[first + k]));
         next.push_back({open[k].low, middle});
@@ -131,7 +133,7 @@ class CurveTracer {
     if (!rays_.varies()) return false;
     const double width = elevation(i + 1) - elevation(i);
     const double leap = entries_[i + 1].rays[wave].bending_rad - entries_[i].rays[wave].bending_rad;
-    return width <= 2 * narrowest_rad && std::abs(leap) > std::max(tolerance_rad_, 1e3 * width);
+    return width <= 2 * narrowest_rad_ && std::abs(leap) > std::max(tolerance_rad_, 1e3 * width);
   }
 
   double elevation(std::size_t entry) const { return entries_[entry].elevation_rad; }
@@ -158,7 +160,7 @@ class CurveTracer {
 
   SkyRays &rays_;
   std::size_t waves_;
-  double tolerance_rad_;
+  double tolerance_rad_, narrowest_rad_;
   std::vector<std::vector<double>> breaks_;
   std::vector<Entry> entries_;
   double worst_ = 0;
@@ -178,8 +180,9 @@ Transfer between(const Transfer &a, const Transfer &b, double f) {
 
 }  // namespace
 
-TransferCurve trace_transfer_curve(SkyRays &rays, double low_rad, double high_rad, double tolerance_arcsec) {
-  return CurveTracer(rays, tolerance_arcsec).trace(low_rad, high_rad);
+TransferCurve trace_transfer_curve(SkyRays &rays, double low_rad, double high_rad, double tolerance_arcsec,
+                                   double narrowest_rad) {
+  return CurveTracer(rays, tolerance_arcsec, narrowest_rad).trace(low_rad, high_rad);
 }
 
 std::vector<Image> images_of(const TransferCurve &curve, std::size_t wave, double true_altitude_rad) {

@@ -27,8 +27,10 @@ struct TransferCurve {
 
 /// Traces elevations until linear interpolation is good to tolerance_arcsec, and columns and distance to 1e-3
 /// relatively, each over max(1, |d true/d apparent|). The jumps of every wavelength (sky_rays.hpp, breaks_rad) are
-/// bracketed. Leaves profile and zenith_column_kg_m2 to the caller.
-TransferCurve trace_transfer_curve(SkyRays &rays, double low_rad, double high_rad, double tolerance_arcsec);
+/// bracketed; in air that varies along the surface they are closed in on by halving.
+/// narrowest_rad: no interval is split further. Leaves profile and zenith_column_kg_m2 to the caller.
+TransferCurve trace_transfer_curve(SkyRays &rays, double low_rad, double high_rad, double tolerance_arcsec,
+                                   double narrowest_rad = 2e-9);
 
 /// One image of a point outside the air.
 struct Image {
