@@ -4,36 +4,15 @@
 #include <array>
 #include <cmath>
 
+#include "atmosphere/gauss_cubic.hpp"
 #include "atmosphere/standard_atmosphere.hpp"
 #include "support/angle.hpp"
 
 namespace greenray {
 namespace {
 
-// Four Gauss-Legendre points of [0,1]: a cubic through them has the integral of any polynomial up to degree 7, so ln n
-// at the knots, and with it every ray that crosses the cell, is right to far higher order than the cubic itself.
-constexpr std::array<double, 4> node{0.06943184420297371, 0.33000947820757187, 0.66999052179242813,
-                                     0.93056815579702629};
 constexpr std::array<double, 10> probe{0, 0.02, 0.18, 0.25, 0.5, 0.6, 0.75, 0.85, 0.98, 1};
 constexpr std::size_t most_cells = 100000;
-
-using Cubic = std::array<double, 4>;
-
-/// Coefficients of the cubic through (node[i], y[i]): Newton's divided differences, then expanded.
-Cubic cubic_through(const std::array<double, 4> &y) {
-  std::array<double, 4> d = y;
-  for (std::size_t level = 1; level < 4; ++level)
-    for (std::size_t i = 3; i >= level; --i) d[i] = (d[i] - d[i - 1]) / (node[i] - node[i - level]);
-  Cubic c{d[3], 0, 0, 0};
-  for (int k = 2; k >= 0; --k) {  // c(t) = c(t)(t - node_k) + d_k
-    const auto n = static_cast<std::size_t>(k);
-    for (std::size_t i = 3; i >= 1; --i) c[i] = c[i - 1] - node[n] * c[i];
-    c[0] = d[n] - node[n] * c[0];
-  }
-  return c;
-}
-
-double evaluate(const Cubic &c, double t) { return c[0] + t * (c[1] + t * (c[2] + t * c[3])); }
 
 class Builder {
  public:
@@ -79,7 +58,7 @@ class Builder {
   Cubic fit_gradient(const Knot &k, double wavelength_nm) const {
     const double z0 = flattened(k.bottom_h_m), dz = flattened(k.top_h_m) - z0;
     std::array<double, 4> y{};
-    for (std::size_t i = 0; i < 4; ++i) y[i] = gradient(geometric(z0 + dz * node[i]), wavelength_nm);
+    for (std::size_t i = 0; i < 4; ++i) y[i] = gradient(geometric(z0 + dz * gauss_place[i]), wavelength_nm);
     return cubic_through(y);
   }
 
@@ -153,7 +132,7 @@ class Builder {
       std::copy(g.begin(), g.end(), c.gradient);
       std::array<double, 4> rho{};
       for (std::size_t i = 0; i < 4; ++i)
-        rho[i] = medium_.density_kg_m3(geometric(c.bottom_m + c.thickness_m * node[i]));
+        rho[i] = medium_.density_kg_m3(geometric(c.bottom_m + c.thickness_m * gauss_place[i]));
       const Cubic d = cubic_through(rho);
       std::copy(d.begin(), d.end(), c.density);
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "atmosphere/air_section.hpp"
 #include "atmosphere/gauss_legendre.hpp"
 #include "atmosphere/standard_atmosphere.hpp"
 
@@ -11,36 +12,40 @@ namespace {
 
 constexpr double vapour_deficit = 1 - 18.01528 / us76::molar_mass_kg_kmol;  // 0.378: vapour is lighter than air
 
-void refuse_what_varies_along_the_surface(const ProfileSpec &spec) {
-  for (const InversionSpec &v : spec.inversions)
-    if (v.delta_T_K.varies() || v.height_m.varies() || v.diffuseness_m.varies())
-      throw InputError(
-          v.place,
-          "an inversion that varies along the surface (x_m) is read and checked, but cannot be traced by this "
-          "version: give one number for delta_T_K, height_m and diffuseness_m");
+ProfileSpec checked(const ProfileSpec &spec) {
+  if (varies_along_surface(spec))
+    throw InputError(
+        spec.place,
+        "this air varies along the surface (x_m): expected air that depends on height alone here, with one "
+        "number for delta_T_K, height_m and diffuseness_m, and no two different [[station]] rows");
+  return frozen_at(spec, 0);
 }
 
-ProfileSpec checked(ProfileSpec spec) {
-  refuse_what_varies_along_the_surface(spec);
-  return spec;
-}
-
-}  // namespace
-
-Profile::Profile(ProfileSpec spec) : spec_(checked(std::move(spec))), curve_(spec_) {
+/// Relative humidity by height; empty for dry air.
+LevelCurve humidity_of(const ProfileSpec &spec) {
   std::vector<double> height_m, humidity;
-  for (const Level &level : spec_.levels)
+  for (const Level &level : spec.levels)
     if (level.relative_humidity) {
       height_m.push_back(level.height_m);
       humidity.push_back(*level.relative_humidity);
     }
-  if (std::any_of(humidity.begin(), humidity.end(), [](double rh) { return rh > 0; })) {
-    if (humidity.back() > 0 && height_m.back() < us76::air_top_m) {  // dry from a little above the last row
-      height_m.push_back(height_m.back() + 1000.0);
-      humidity.push_back(0);
-    }
-    humidity_ = LevelCurve(height_m, humidity, Interpolation::linear);
+  if (std::none_of(humidity.begin(), humidity.end(), [](double rh) { return rh > 0; })) return {};
+  if (humidity.back() > 0 && height_m.back() < us76::air_top_m) {  // dry from a little above the last row
+    height_m.push_back(height_m.back() + 1000.0);
+    humidity.push_back(0);
   }
+  return LevelCurve(height_m, humidity, Interpolation::linear);
+}
+
+}  // namespace
+
+Profile::Profile(const ProfileSpec &spec) : spec_(checked(spec)), curve_(spec_) {
+  const auto add_humidity = [this](double weight, const ProfileSpec &air) {
+    LevelCurve curve = humidity_of(air);
+    if (!curve.empty()) humidity_.emplace_back(weight, std::move(curve));
+  };
+  add_humidity(1, spec_);
+  for (const AirShare &share : spec_.blend) add_humidity(share.weight, *share.air);
   if (!is_air()) {
     std::vector<double> rows_m, values;
     for (const IndexLevel &row : spec_.index_levels) {
@@ -62,7 +67,8 @@ double Profile::top_m(bool flat) const {
 
 void Profile::find_kinks() {
   kinks_m_ = curve_.kinks_m();
-  if (!humidity_.empty()) kinks_m_.insert(kinks_m_.end(), humidity_.heights_m().begin(), humidity_.heights_m().end());
+  for (const auto &[weight, curve] : humidity_)
+    kinks_m_.insert(kinks_m_.end(), curve.heights_m().begin(), curve.heights_m().end());
   if (!is_air()) kinks_m_ = index_.heights_m();
   std::sort(kinks_m_.begin(), kinks_m_.end());
   kinks_m_.erase(std::unique(kinks_m_.begin(), kinks_m_.end()), kinks_m_.end());
@@ -95,10 +101,10 @@ Dual Profile::temperature_or_throw(double height_m) const {
 }
 
 double Profile::relative_humidity(double height_m, double &slope) const {
-  if (humidity_.empty()) return slope = 0;
-  const Dual rh = humidity_(height_m);
-  slope = rh.slope;
-  return rh.value;
+  Dual sum;
+  for (const auto &[weight, curve] : humidity_) sum = sum + Dual(weight) * curve(height_m);
+  slope = sum.slope;
+  return sum.value;
 }
 
 /// d(ln P)/dh = -(g0 M0/R*) (r0/(r0+h))^2 / T_virtual.

@@ -2,6 +2,7 @@
 #pragma once
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "atmosphere/profile_spec.hpp"
@@ -12,9 +13,9 @@ namespace greenray {
 
 class Profile {
  public:
-  /// Integrates the pressure. Throws InputError where the air is impossible (T <= 0) or, for now, varies along the
-  /// surface.
-  explicit Profile(ProfileSpec spec);
+  /// Integrates the pressure. Throws InputError where the air is impossible (T <= 0) or varies along the surface (see
+  /// air_section.hpp).
+  explicit Profile(const ProfileSpec &spec);
 
   const ProfileSpec &spec() const { return spec_; }
   bool is_air() const { return spec_.index_levels.empty(); }
@@ -44,7 +45,8 @@ class Profile {
 
   ProfileSpec spec_;
   TemperatureCurve curve_;
-  LevelCurve humidity_, index_;
+  std::vector<std::pair<double, LevelCurve>> humidity_;  // weight (1 but for a blend) and curve; dry ones are left out
+  LevelCurve index_;
   std::vector<double> kinks_m_;
   std::vector<double> panel_m_, panel_ln_pressure_;  // quadrature panels: height of the lower end, ln P there
 };

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <functional>
 
+#include "atmosphere/air_section.hpp"
 #include "support/embedded.hpp"
 #include "support/toml_reader.hpp"
 
@@ -154,13 +155,61 @@ std::vector<SurfaceLayerSpec> read_surface_layers(const TomlTable &root) {
   return layers;
 }
 
+/// As load_profile; in_station: of a [[station]], which has none of its own.
+ProfileSpec load(const std::string &name_or_file, const std::string &folder, const SourcePlace &asked_at,
+                 const SoundingChoice &choice, bool in_station);
+
+/// The air of one [[station]]: a file beside this one, or a shipped profile; itself without stations and lists.
+std::shared_ptr<const ProfileSpec> read_station_air(const TomlTable &row, const std::string &file,
+                                                    const std::string &folder) {
+  auto air = std::make_shared<ProfileSpec>(load(file, folder, row.place("profile"), {}, true));
+  if (has_places(*air))
+    throw InputError(row.place("profile"), "'profile': expected air that depends on height alone; '" + file +
+                                               "' has stations or lists { x_m = [..], value = [..] } of its own");
+  if (!air->index_levels.empty())
+    throw InputError(row.place("profile"), "'profile': expected air; '" + file + "' gives refractivity directly");
+  return air;
+}
+
+/// folder: where files are looked for first.
+std::vector<Station> read_stations(TomlDocument &document, const TomlTable &root, const std::string &folder) {
+  std::vector<Station> stations;
+  for (const TomlTable &row : root.rows("station")) {
+    Station station;
+    station.place = row.place();
+    const bool right = row.require("x_m", distance.text()) && row.read("x_m", station.x_m, distance);
+    const bool named =
+        row.require("profile", "the name of a profile or a sounding") && row.read("profile", station.file);
+    if (!right || !named) continue;
+    if (!stations.empty() && !(station.x_m > stations.back().x_m))
+      row.complain("x_m", "expected distances to ascend from station to station, found " + exact_decimal(station.x_m) +
+                              " m after " + exact_decimal(stations.back().x_m) + " m");
+    try {
+      station.air = read_station_air(row, station.file, folder);
+      stations.push_back(std::move(station));
+    } catch (const InputError &error) {
+      document.complain(error);
+    }
+  }
+  if (stations.size() == 1 && root.rows("station").size() == 1)
+    root.complain("station", "expected two stations or more; a path with one is that station's profile itself");
+  return stations;
+}
+
+void refuse_beside_stations(const TomlTable &root) {
+  if (!root.has("station")) return;
+  for (const char *other : {"level", "surface_layer", "index_level", "smooth_m", "surface_pressure_Pa"})
+    if (root.has(other))
+      root.complain(other, "not allowed beside [[station]]: expected it in the profiles of the stations");
+}
+
 void read_base(const TomlTable &root, ProfileSpec &spec) {
   TomlTable::Words<bool> words;
   for (const std::string &name : us76_names) words.emplace_back(name.c_str(), true);
   words.emplace_back("none", false);
   root.read_word("base", spec.base_is_us76, words);
-  if (!spec.base_is_us76 && !root.has("level") && !root.has("index_level"))
-    root.complain("base", "\"none\" expects [[level]] rows, or [[index_level]] rows, in the same file");
+  if (!spec.base_is_us76 && !root.has("level") && !root.has("index_level") && !root.has("station"))
+    root.complain("base", "\"none\" expects [[level]] rows, [[index_level]] or [[station]] rows, in the same file");
 }
 
 void refuse_mixtures(const TomlTable &root, const ProfileSpec &spec) {
@@ -170,7 +219,7 @@ void refuse_mixtures(const TomlTable &root, const ProfileSpec &spec) {
       root.complain(other, "not allowed beside [[index_level]]: refractivity given directly takes the place of air");
 }
 
-ProfileSpec read_toml(const std::string &file, std::string_view text) {
+ProfileSpec read_toml(const std::string &file, std::string_view text, bool in_station) {
   TomlDocument document(file, text);
   const TomlTable root = document.root();
   ProfileSpec spec;
@@ -179,14 +228,21 @@ ProfileSpec read_toml(const std::string &file, std::string_view text) {
   root.read("surface_pressure_Pa", spec.surface_pressure_Pa, {0, 1e7, "Pa", true});
   root.read_word("interpolation", spec.interpolation,
                  {{"linear", Interpolation::linear}, {"cubic", Interpolation::cubic}});
+  root.read_word("along_surface", spec.along_surface,
+                 {{"linear", Interpolation::linear}, {"cubic", Interpolation::cubic}});
+  root.read("azimuth_deg", spec.azimuth_deg, {-360, 360, "degrees"});
   root.read("smooth_m", spec.smooth_m, {0, 1e5, "m"});
   root.read("exaggerate", spec.exaggerate, {0, 1e6, "", true});
   spec.levels = read_levels(root);
   spec.inversions = read_inversions(root);
   spec.surface_layers = read_surface_layers(root);
   spec.index_levels = read_index_levels(root);
+  if (in_station && root.has("station"))
+    root.complain("station", "not allowed in the profile of a station: expected air that depends on height alone");
+  else spec.stations = read_stations(document, root, std::filesystem::path(file).parent_path().string());
   read_base(root, spec);
   refuse_mixtures(root, spec);
+  refuse_beside_stations(root);
   document.finish();
   return spec;
 }
@@ -196,6 +252,33 @@ std::string shipped_name(std::string name) {
   if (name.rfind("profiles/", 0) == 0) name.erase(0, 9);
   if (name.size() > 5 && name.compare(name.size() - 5, 5, ".toml") == 0) name.erase(name.size() - 5);
   return is_us76(name) ? us76_names.front() : name;
+}
+
+ProfileSpec parse(const std::string &file, std::string_view text, const SoundingChoice &choice, bool in_station) {
+  const std::filesystem::path path(file);
+  const std::string kind = path.extension().string();
+  const bool table =
+      kind == ".csv" || kind == ".txt" || kind == ".html" || kind == ".htm";  // never TOML, even when empty
+  if (table || (kind != ".toml" && looks_like_sounding(file, text))) return read_sounding(file, text, choice);
+  ProfileSpec spec = read_toml(file, text, in_station);
+  spec.name = path.stem().string();
+  spec.place = {file, 1, 1};
+  return spec;
+}
+
+ProfileSpec load(const std::string &name_or_file, const std::string &relative_to_folder, const SourcePlace &asked_at,
+                 const SoundingChoice &choice, bool in_station) {
+  const std::filesystem::path asked(name_or_file);
+  const std::size_t most = asked.extension() == ".toml" ? max_toml_bytes : max_sounding_bytes;
+  for (const std::filesystem::path &path : {std::filesystem::path(relative_to_folder) / asked, asked})
+    if (const auto text = file_contents(path.string(), most, asked_at))
+      return parse(path.lexically_normal().string(), *text, choice, in_station);
+  const std::string name = shipped_name(name_or_file);
+  const std::string shipped = "profiles/" + name + ".toml";
+  if (const auto text = embedded_file(shipped)) return parse(shipped, *text, choice, in_station);
+  const std::vector<std::string> names = shipped_profiles();
+  throw InputError(asked_at, "'" + name_or_file + "' is neither a file nor a shipped profile" +
+                                 did_you_mean(name, names) + "; shipped: " + comma_list(names));
 }
 
 }  // namespace
@@ -209,15 +292,7 @@ const std::vector<std::pair<const char *, IndexModel>> &index_model_words() {
 }
 
 ProfileSpec parse_profile(const std::string &file, std::string_view text, const SoundingChoice &choice) {
-  const std::filesystem::path path(file);
-  const std::string kind = path.extension().string();
-  const bool table =
-      kind == ".csv" || kind == ".txt" || kind == ".html" || kind == ".htm";  // never TOML, even when empty
-  if (table || (kind != ".toml" && looks_like_sounding(file, text))) return read_sounding(file, text, choice);
-  ProfileSpec spec = read_toml(file, text);
-  spec.name = path.stem().string();
-  spec.place = {file, 1, 1};
-  return spec;
+  return parse(file, text, choice, false);
 }
 
 std::vector<std::string> shipped_profiles() {
@@ -248,17 +323,7 @@ std::optional<std::string> file_contents(const std::string &path, std::size_t ma
 
 ProfileSpec load_profile(const std::string &name_or_file, const std::string &relative_to_folder,
                          const SourcePlace &asked_at, const SoundingChoice &choice) {
-  const std::filesystem::path asked(name_or_file);
-  const std::size_t most = asked.extension() == ".toml" ? max_toml_bytes : max_sounding_bytes;
-  for (const std::filesystem::path &path : {std::filesystem::path(relative_to_folder) / asked, asked})
-    if (const auto text = file_contents(path.string(), most, asked_at))
-      return parse_profile(path.lexically_normal().string(), *text, choice);
-  const std::string name = shipped_name(name_or_file);
-  const std::string shipped = "profiles/" + name + ".toml";
-  if (const auto text = embedded_file(shipped)) return parse_profile(shipped, *text, choice);
-  const std::vector<std::string> names = shipped_profiles();
-  throw InputError(asked_at, "'" + name_or_file + "' is neither a file nor a shipped profile" +
-                                 did_you_mean(name, names) + "; shipped: " + comma_list(names));
+  return load(name_or_file, relative_to_folder, asked_at, choice, false);
 }
 
 }  // namespace greenray

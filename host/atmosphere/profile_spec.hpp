@@ -1,5 +1,8 @@
 // What a profile file says, before any physics: the keys of docs/file-formats.md, one field each.
 #pragma once
+#include <algorithm>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,13 +14,15 @@ namespace greenray {
 enum class IndexModel { born_wolf, iag1999, ciddor, peck_reeder };
 enum class Interpolation { linear, cubic };
 
-/// A number, or a number that varies along the surface: piecewise linear in x_m. `x_m` empty means constant value[0].
+/// A number, or a number that varies along the surface: value[i] at x_m[i], constant beyond the ends, between them as
+/// ProfileSpec::along_surface says. `x_m` empty means constant value[0].
 struct AlongSurface {
   std::vector<double> x_m;
   std::vector<double> value;
   AlongSurface() = default;
   AlongSurface(double constant) : value{constant} {}  // NOLINT(google-explicit-constructor)
-  bool varies() const { return !x_m.empty(); }
+  bool has_points() const { return !x_m.empty(); }
+  bool varies() const { return std::adjacent_find(value.begin(), value.end(), std::not_equal_to<>()) != value.end(); }
   double constant() const { return value.front(); }
 };
 
@@ -55,6 +60,22 @@ struct IndexLevel {
   SourcePlace place;
 };
 
+struct ProfileSpec;
+
+/// The air over one place of the path.
+struct Station {
+  double x_m = 0;
+  std::string file;  // as named in the profile
+  std::shared_ptr<const ProfileSpec> air;
+  SourcePlace place;
+};
+
+/// A share of the air between two stations: T, relative humidity and ln of the surface pressure are weighted means.
+struct AirShare {
+  double weight = 1;
+  std::shared_ptr<const ProfileSpec> air;
+};
+
 struct ProfileSpec {
   std::string name = "us76";  // shown in reports
   bool base_is_us76 = true;   // base = "us76"; false for "none": levels or index_levels are then required
@@ -68,7 +89,11 @@ struct ProfileSpec {
   std::vector<InversionSpec> inversions;
   std::vector<SurfaceLayerSpec> surface_layers;
   std::vector<IndexLevel> index_levels;  // ascending heights; excludes levels, inversions and surface layers
-  std::vector<std::string> notes;        // repairs an importer made, one sentence each
+  Interpolation along_surface = Interpolation::cubic;  // between points x_m: linear, or cubic (monotone)
+  std::optional<double> azimuth_deg;                   // of the direction of x, from north through east
+  std::vector<Station> stations;                       // ascending x_m; exclude levels and surface layers
+  std::vector<AirShare> blend;                         // stations at one place (frozen_at); not in files
+  std::vector<std::string> notes;                      // repairs an importer made, one sentence each
   SourcePlace place;
 };
 

@@ -1,4 +1,5 @@
 // write_profile: a ProfileSpec as TOML text.
+#include "atmosphere/air_section.hpp"
 #include "atmosphere/profile_file.hpp"
 #include "support/toml_reader.hpp"
 
@@ -12,13 +13,22 @@ std::string word_of(IndexModel model) {
 }
 
 std::string text_of(const AlongSurface &quantity) {
-  if (!quantity.varies()) return exact_decimal(quantity.constant());
+  if (!quantity.has_points()) return exact_decimal(quantity.constant());
   const auto array = [](const std::vector<double> &numbers) {
     std::string all;
     for (const double number : numbers) all += (all.empty() ? "" : ", ") + exact_decimal(number);
     return "[" + all + "]";
   };
   return "{ x_m = " + array(quantity.x_m) + ", value = " + array(quantity.value) + " }";
+}
+
+std::string quoted(const std::string &text) {
+  std::string all = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') all += '\\';
+    all += c;
+  }
+  return all + "\"";
 }
 
 /// `text` as a comment line. TOML comments hold no control characters and no broken UTF-8, which station names of old
@@ -43,11 +53,20 @@ std::string write_profile(const ProfileSpec &spec) {
   text += std::string("base = \"") + (spec.base_is_us76 ? "us76" : "none") + "\"\n";
   text += "index = \"" + word_of(spec.index) + "\"\n";
   line("earth_radius_m", spec.earth_radius_m);
-  line("surface_pressure_Pa", spec.surface_pressure_Pa);
+  if (spec.stations.empty()) line("surface_pressure_Pa", spec.surface_pressure_Pa);
   text +=
       std::string("interpolation = \"") + (spec.interpolation == Interpolation::cubic ? "cubic" : "linear") + "\"\n";
-  line("smooth_m", spec.smooth_m);
+  if (spec.stations.empty()) line("smooth_m", spec.smooth_m);
   line("exaggerate", spec.exaggerate);
+  if (has_places(spec))
+    text +=
+        std::string("along_surface = \"") + (spec.along_surface == Interpolation::cubic ? "cubic" : "linear") + "\"\n";
+  if (spec.azimuth_deg) line("azimuth_deg", *spec.azimuth_deg);
+  for (const Station &station : spec.stations) {
+    text += "\n[[station]]\n";
+    line("x_m", station.x_m);
+    text += "profile = " + quoted(station.file) + "\n";
+  }
   for (const Level &level : spec.levels) {
     text += "\n[[level]]\n";
     line("height_m", level.height_m);

@@ -58,10 +58,23 @@ TemperatureCurve::TemperatureCurve(const ProfileSpec &spec)
     shift_above_K_ = temperature_K.back() - us76::temperature_K(height_m.back()).value;
     levels_ = LevelCurve(std::move(height_m), std::move(temperature_K), spec.interpolation);
   }
+  for (const AirShare &share : spec.blend) shares_.emplace_back(share.weight, TemperatureCurve(*share.air));
   find_kinks();
 }
 
 void TemperatureCurve::find_kinks() {
+  for (const auto &[weight, curve] : shares_) {
+    raw_kinks_m_.insert(raw_kinks_m_.end(), curve.kinks_m_.begin(), curve.kinks_m_.end());
+    features_m_.insert(features_m_.end(), curve.features_m_.begin(), curve.features_m_.end());
+  }
+  if (shares_.empty()) find_own_kinks();
+  std::sort(raw_kinks_m_.begin(), raw_kinks_m_.end());
+  raw_kinks_m_.erase(std::unique(raw_kinks_m_.begin(), raw_kinks_m_.end()), raw_kinks_m_.end());
+  if (smooth_m_ <= 0) kinks_m_ = raw_kinks_m_;
+  find_features();
+}
+
+void TemperatureCurve::find_own_kinks() {
   for (const us76::Layer &layer : us76::layers) {
     const double height_m = us76::geometric_m(layer.base_gpm);
     if (layer.base_gpm > 0 && (levels_.empty() || height_m > levels_.top_m())) raw_kinks_m_.push_back(height_m);
@@ -69,9 +82,9 @@ void TemperatureCurve::find_kinks() {
   if (!levels_.empty())
     for (double height_m : levels_.heights_m())
       if (height_m > 0) raw_kinks_m_.push_back(height_m);
-  std::sort(raw_kinks_m_.begin(), raw_kinks_m_.end());
-  if (smooth_m_ <= 0) kinks_m_ = raw_kinks_m_;
+}
 
+void TemperatureCurve::find_features() {
   const auto feature = [this](double height_m) {
     if (height_m > 0 && height_m < us76::air_top_m) features_m_.push_back(height_m);
   };
@@ -85,15 +98,19 @@ void TemperatureCurve::find_kinks() {
   std::sort(features_m_.begin(), features_m_.end());
 }
 
-Dual TemperatureCurve::unsmoothed(double height_m) const {
-  Dual t;
-  if (levels_.empty()) {
-    t = us76::temperature_K(height_m);
-  } else if (height_m >= levels_.top_m()) {
-    t = us76::temperature_K(height_m) + Dual(shift_above_K_);
-  } else {
-    t = levels_(height_m);
+Dual TemperatureCurve::base(double height_m) const {
+  if (!shares_.empty()) {
+    Dual t;
+    for (const auto &[weight, curve] : shares_) t = t + Dual(weight) * curve(height_m);
+    return t;
   }
+  if (levels_.empty()) return us76::temperature_K(height_m);
+  if (height_m >= levels_.top_m()) return us76::temperature_K(height_m) + Dual(shift_above_K_);
+  return levels_(height_m);
+}
+
+Dual TemperatureCurve::unsmoothed(double height_m) const {
+  Dual t = base(height_m);
   for (const InversionSpec &v : inversions_) {  // G04 4.4: -dT + dT/(1+exp(-x)) = -dT/(1+exp(x))
     const double width = v.diffuseness_m.constant(), jump = v.delta_T_K.constant();
     const double x = std::clamp((height_m - v.height_m.constant()) / width, -700.0, 700.0);

@@ -1,5 +1,6 @@
 // T(h) of a profile: base, levels, inversions, surface layers, smoothing. No pressure, no light.
 #pragma once
+#include <utility>
 #include <vector>
 
 #include "atmosphere/dual.hpp"
@@ -38,7 +39,13 @@ class TemperatureCurve {
   Dual unsmoothed(double height_m) const;
   Dual smoothed(double height_m) const;
   void find_kinks();
+  void find_own_kinks();
+  void find_features();
 
+  /// What the inversions and surface layers of this profile are added to.
+  Dual base(double height_m) const;
+
+  std::vector<std::pair<double, TemperatureCurve>> shares_;  // of a blend: weight and curve
   LevelCurve levels_;
   double shift_above_K_ = 0;
   std::vector<InversionSpec> inversions_;

@@ -207,6 +207,8 @@ int batch(const Arguments &a) {
   const fs::path folder = a.has("--output") ? fs::path(a.text("--output")) : fs::path("out") / name;
   const auto threads = static_cast<unsigned>(a.optional_number("--jobs", 1, 64, "pictures").value_or(1));
   const std::vector<Picture> pictures = pictures_from(jobs_from(a), folder, a);
+  std::error_code no_folder;  // told by the first picture
+  fs::create_directories(folder, no_folder);
   BatchRun run(pictures, a);
   run.work(threads);
   const std::string sheet = write_sheet(pictures, folder / (name + "-sheet.png"));

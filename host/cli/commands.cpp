@@ -3,6 +3,8 @@
 #include <charconv>
 #include <iostream>
 
+#include "atmosphere/air_section.hpp"
+#include "support/angle.hpp"
 #include "support/atomic_file.hpp"
 
 namespace greenray::cli {
@@ -26,6 +28,20 @@ Precision precision_of(const Arguments &arguments, Precision otherwise) {
   const std::string word =
       arguments.choice("--precision", {"float", "double"}, otherwise == Precision::double_ ? "double" : "float");
   return word == "double" ? Precision::double_ : Precision::single_;
+}
+
+double azimuth_from_path_rad(const Arguments &arguments, const ProfileSpec &air) {
+  const auto given_deg = arguments.optional_number("--azimuth", -360, 360, "degrees");
+  if (!given_deg) return 0;
+  if (!has_places(air))
+    arguments.fail("--azimuth", "this air is the same in all directions: expected a profile that varies along x");
+  return to_rad(*given_deg - air.azimuth_deg.value_or(0));
+}
+
+std::string solver_words(const ProfileSpec &air, bool section) {
+  if (!section) return "layers, for nothing varies along the surface";
+  return varies_along_surface(air) ? "adaptive, for the air varies along the surface"
+                                   : "adaptive, though nothing varies";
 }
 
 CommandSpec with_common(CommandSpec spec) {

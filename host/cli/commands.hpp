@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "atmosphere/profile_spec.hpp"
 #include "cli/arguments.hpp"
 #include "compute/device.hpp"
 #include "compute/ray_tracer.hpp"
@@ -33,6 +34,12 @@ Command bench_command();
 /// --device, --threads, --mem, --lanes, --kernel-dir, --show-build.
 DeviceOptions device_options(const Arguments &arguments);
 Precision precision_of(const Arguments &arguments, Precision otherwise);
+
+/// --azimuth against the direction of x: the profile's azimuth_deg, or 0 (then --azimuth counts from the path itself)
+/// [rad].
+double azimuth_from_path_rad(const Arguments &arguments, const ProfileSpec &air);
+/// One clause for a comment line: which solver serves air that speaks of places x_m, and why.
+std::string solver_words(const ProfileSpec &air, bool section);
 
 /// A spec with common flags appended.
 CommandSpec with_common(CommandSpec spec);

@@ -1,4 +1,5 @@
 // greenray develop: a picture as an eye, a camera or plain numbers would have it, from any EXR or Radiance picture.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -10,7 +11,6 @@
 #include "cli/commands.hpp"
 #include "cli/eye_flags.hpp"
 #include "image/develop.hpp"
-#include "image/exr.hpp"
 #include "image/picture_sink.hpp"
 #include "image/picture_source.hpp"
 #include "support/atomic_file.hpp"
@@ -57,7 +57,7 @@ void warn(const PictureFacts &facts, const vision::LightFaults &faults) {
   const auto say = [&](std::uint64_t count, const char *what) {
     if (count > 0) std::cerr << "warning: " << facts.name << ": " << count << " pixels " << what << "\n";
   };
-  say(faults.not_a_number, "are not numbers: each shows its nearest right neighbour in the row, or black");
+  say(faults.not_a_number, "are not numbers: each shows its nearest valid neighbour in the row, or black");
   say(faults.infinite, "are infinite: shown white, as bright as the brightest finite pixel");
   say(faults.negative, "have negative luminance: shown black");
   say(faults.too_bright, "are beyond 1e10 cd/m2: taken as that");
@@ -94,11 +94,9 @@ Developed develop_human(vision::HumanEye &eye, const vision::EyeOptions &options
 class SceneRows {
  public:
   SceneRows(const fs::path &in, const SourceOptions &source, std::size_t memory_bytes)
-      : picture_(open_picture(in, {source.unit_cd_m2, false})) {
+      : picture_(open_picture(in, {source.unit_cd_m2, false, true})) {
     const std::size_t needed = 4 * 3 * sizeof(float) * picture_->facts().pixels();
-    if (needed > memory_bytes) return;
-    const bool is_exr = in.extension() != ".hdr" && in.extension() != ".pic";
-    whole_ = is_exr && !source.unit_cd_m2 ? read_exr(in).rgb() : read_rgb(*picture_);
+    if (needed <= memory_bytes) whole_ = read_rgb(*picture_);
   }
   const PictureFacts &facts() const { return picture_->facts(); }
   bool in_memory() const { return !whole_.rgb.empty(); }
@@ -224,6 +222,8 @@ int map_histogram(const Arguments &a) {
   if (!a.has("--map")) a.fail("--histogram", "expected --map OUT beside it, where the map is written");
   if (!a.positional().empty())
     throw InputError(a.positional_place(0), "expected either a picture or --histogram, found both");
+  for (const char *flag : {"--output", "--stats", "--greener", "--observer", "--exposure", "--bleaching"})
+    if (a.has(flag)) a.fail(flag, "expected a picture with this flag, not --histogram");
   const auto [level, count] = read_histogram(a.text("--histogram"));
   try {
     const vision::ToneCurve curve(vision::histogram_from_table(level, count), display_from(a),
@@ -249,6 +249,8 @@ std::string observer_of(const Arguments &a) {
   for (const Flag &flag : eye_flags())
     if (flag.name != "--ldmax") eye = eye || a.has(flag.name);
   const std::string observer = a.choice("--observer", {"human", "camera", "linear"}, eye ? "human" : "camera");
+  if (observer != "human" && a.has("--greener"))
+    a.fail("--greener", "expected --observer human with this flag: a " + observer + " has no eye");
   if (eye && observer != "human")
     for (const Flag &flag : eye_flags())
       if (a.has(flag.name) && flag.name != "--ldmax")
@@ -256,6 +258,32 @@ std::string observer_of(const Arguments &a) {
   if (a.has("--exposure") && observer == "human")
     a.fail("--exposure", "expected --observer camera or linear with this flag: an eye adapts by itself");
   return observer;
+}
+
+/// Complains about two outputs of one name, of which one would be lost.
+void check_outputs_differ(const Arguments &a) {
+  std::vector<fs::path> before{fs::absolute(a.text("--output")).lexically_normal()};
+  const auto add = [&](const char *flag, const fs::path &name) {
+    const fs::path path = fs::absolute(name).lexically_normal();
+    if (std::find(before.begin(), before.end(), path) != before.end())
+      a.fail(flag, "expected another file: " + name.string() + " is written already");
+    before.push_back(path);
+  };
+  if (a.has("--greener")) {
+    add("--greener", a.text("--greener"));
+    add("--greener", fs::path(a.text("--greener")).replace_extension(".exr"));
+  }
+  if (a.has("--stats")) add("--stats", a.text("--stats"));
+}
+
+/// Opens every picture of a sequence, so that nothing is written where one of them cannot be developed.
+void check_sequence(const Arguments &a, const SourceOptions &source, const vision::HumanEye *eye) {
+  PictureFacts first;
+  for (std::size_t i = 0; i < a.positional().size(); ++i) {
+    const PictureFacts facts = open_picture(a.positional()[i], source)->facts();
+    if (i == 0) first = facts;
+    if (eye) eye->check(facts, &first);
+  }
 }
 
 int develop(const Arguments &a) {
@@ -266,11 +294,13 @@ int develop(const Arguments &a) {
   if (!a.has("--output")) throw InputError({"command line", 1, 18}, "missing --output OUT.png: where to write");
   const std::string observer = observer_of(a), out_name = output_name(a);
   const std::string greener = a.has("--greener") ? a.file("--greener", ".png") : "";
+  check_outputs_differ(a);
   vision::EyeOptions options = eye_options(a);
   SourceOptions source{a.optional_number("--unit", 1e-30, 1e30, "cd/m2"), true};
   const std::size_t count = a.positional().size();
   options.carry_state = count > 1;
   vision::HumanEye eye(options);
+  if (count > 1) check_sequence(a, source, observer == "human" ? &eye : nullptr);
   Json all = Json::array();
   for (std::size_t i = 0; i < count; ++i) {
     const fs::path out = numbered(out_name, i, count);

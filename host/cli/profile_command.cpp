@@ -168,7 +168,7 @@ nlohmann::json rows_json(const Profile &profile, const Request &request) {
   return rows;
 }
 
-std::string as_json(const Profile &profile, const Diagnosis &diagnosis, const Request &request) {
+std::string as_json(const Profile &profile, const Diagnosis &diagnosis, const Request &request, const double *at_m) {
   using nlohmann::json;
   const ProfileSpec &spec = profile.spec();
   json out{{"version", version()},
@@ -181,6 +181,7 @@ std::string as_json(const Profile &profile, const Diagnosis &diagnosis, const Re
            {"inversions", json::array()},
            {"superadiabatic", json::array()},
            {"expect", diagnosis.expect}};
+  if (at_m) out["at_m"] = *at_m;
   out["eye_height_m"] = request.eye_height_m ? json(*request.eye_height_m) : json();
   for (const Duct &d : diagnosis.ducts)
     out["ducts"].push_back({{"bottom_m", d.bottom_m},
@@ -203,14 +204,28 @@ std::string as_json(const Profile &profile, const Diagnosis &diagnosis, const Re
   return out.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
 }
 
+/// Where along the surface this air stands, and whether that matters.
+std::string places_text(const AirSection &section, double at_m) {
+  const std::string where = "the air at x = " + digits(at_m) + " m along the surface";
+  if (section.points_m().empty()) return comment(where + "; nothing varies with x: the solver for layers serves");
+  return comment(where + "; it varies from " + digits(section.points_m().front()) + " to " +
+                 digits(section.points_m().back()) + " m: the adaptive solver serves");
+}
+
 int run(const Arguments &a) {
   const Request request = request_from(a);
   const std::string toml = a.has("--output") ? a.file("--output", ".toml") : "";
   const std::string svg = a.has("--plot") ? a.file("--plot", ".svg") : "";
-  const ProfileSpec spec = load(a, request);
-  const Profile profile(spec);
+  const AirSection section(load(a, request));
+  const ProfileSpec &spec = section.spec();
+  if (a.has("--at") && !has_places(spec))
+    a.fail("--at", "this air is the same everywhere along the surface: expected a profile with lists x_m or stations");
+  const double at_m = a.optional_number("--at", -1e9, 1e9, "m along the surface").value_or(0);
+  const Profile profile = section.at(at_m);
   const Diagnosis diagnosis = diagnose(profile, request.eye_height_m);
-  const std::string text = request.json ? as_json(profile, diagnosis, request) : as_csv(profile, diagnosis, request);
+  const std::string places = has_places(spec) ? places_text(section, at_m) : "";
+  const std::string text = request.json ? as_json(profile, diagnosis, request, has_places(spec) ? &at_m : nullptr)
+                                        : places + as_csv(profile, diagnosis, request);
   AtomicFileSet files;
   if (!toml.empty()) files.add(toml).write(write_profile(spec));
   if (!svg.empty()) {
@@ -233,6 +248,7 @@ Command profile_command() {
                    "Air by height: T, P, density, refractivity; its ducts and the mirages to expect; plot; import.",
                    {{"--heights", "", "LIST", "heights above the surface [m]: a,b,c or FROM:TO:STEP, 0 to 120000"},
                     {"--wavelengths", "", "LIST", "vacuum wavelengths [nm]; both lists may go with --plot or -o"},
+                    {"--at", "", "X_M", "air that varies along the surface: over this place (0) [m]"},
                     {"--eye-height", "", "M", "tell the mirages to expect at this height [m]"},
                     {"--plot", "", "FILE.svg", "draw T, P, n-1 and d(n-1)/dh against height"},
                     {"--output", "-o", "FILE.toml", "write the air as a profile file"},

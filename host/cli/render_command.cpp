@@ -113,7 +113,8 @@ void print_header(const Scene &scene, const RenderPlan &plan, const Device &devi
     std::cout << ", refractivity EXAGGERATED " << std::defaultfloat << air.exaggerate << " times";
   std::cout << "\nplan     " << plan.size[0] << "x" << plan.size[1] << ", " << plan.wavelengths_nm.size()
             << " wavelengths" << (plan.bent_nm.size() < plan.wavelengths_nm.size() ? " that bend as one" : "") << ", "
-            << method_name(plan.method) << ", " << (plan.per_pixel ? "rays for every pixel, " : "one transfer table, ")
+            << method_name(plan.method) << (plan.section ? " along the surface, " : ", ")
+            << (plan.per_pixel ? "rays for every pixel, " : "one transfer table, ")
             << (plan.precision == Precision::double_ ? "double" : "float") << "\n"
             << std::flush;
 }
@@ -188,6 +189,7 @@ int render_picture(const Arguments &a, Session &session) {
   options.progress = [&](const std::string &phase, double fraction, double noise) {
     progress.show(phase, fraction, noise);
   };
+  options.cache = &session.sights();
   const Rendered rendered = render(scene, plan, options, device);
   progress.end();
   if (rendered.report.sun_optical_depth.value_or(0) > 14)

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cli/commands.hpp"
+#include "render/sky_sight.hpp"
 
 namespace greenray::cli {
 
@@ -19,9 +20,11 @@ class Session {
     if (!device_) device_ = open_device(device_options(arguments));
     return device_;
   }
+  SkySightCache &sights() { return sights_; }
 
  private:
   std::shared_ptr<Device> device_;
+  SkySightCache sights_;
 };
 
 /// `greenray render`: arguments of its own specification. Throws as it exits. returns: 0

@@ -6,6 +6,7 @@
 #include "atmosphere/profile_file.hpp"
 #include "cli/commands.hpp"
 #include "render/renderer.hpp"
+#include "render/solver_choice.hpp"
 #include "render/transfer_curve.hpp"
 #include "support/angle.hpp"
 #include "support/version.hpp"
@@ -23,8 +24,17 @@ TransferCurve traced_curve(const Arguments &a) {
   const std::vector<double> wavelengths = a.list("--wavelengths", 200, 2000, "nm");
   const double tolerance = a.optional_number("--tolerance", 1e-5, 3600, "arcsec").value_or(0.01);
   options.error_arcsec = std::max(tolerance / 10, 1e-6);
-  const Profile profile(load_profile(a.positional()[0], ".", a.positional_place(0)));
-  SkyRays rays(profile, wavelengths, options, open_device(device_options(a)));
+  const AirSection air(load_profile(a.positional()[0], ".", a.positional_place(0)));
+  const SolverChoice choice = choose_solver(
+      air.spec(), a.choice("--method", {"auto", "rk", "richardson", "cells", "section"}, "auto"), a.place("--method"));
+  options.method = choice.method;
+  options.azimuth_rad = azimuth_from_path_rad(a, air.spec());
+  options.step_rad = std::clamp(from_arcsec(tolerance / 20), 1e-12, 1e-6);
+  options.max_steps = 1000000;
+  const Profile profile = air.at(0);
+  const std::shared_ptr<Device> device = open_device(device_options(a));
+  SkyRays rays =
+      choice.section ? SkyRays(air, wavelengths, options, device) : SkyRays(profile, wavelengths, options, device);
   TransferCurve curve = trace_transfer_curve(rays, to_rad(low_deg), to_rad(high_deg), tolerance);
   curve.profile = profile.spec().name;
   curve.zenith_column_kg_m2 = profile.zenith_column_kg_m2(options.height_m);
@@ -37,7 +47,8 @@ TransferCurve curve_from(const Arguments &a) {
   if (file == !a.positional().empty())
     throw InputError({"command line", 1, 1}, "transfer: expected either a PROFILE or --table FILE.csv");
   if (file) {
-    for (const char *flag : {"--height", "--from", "--to", "--wavelengths", "--tolerance", "--precision"})
+    for (const char *flag :
+         {"--height", "--from", "--to", "--wavelengths", "--tolerance", "--precision", "--method", "--azimuth"})
       if (a.has(flag)) a.fail(flag, "the table of --table has it already");
     if (!a.has("--images")) a.fail("--table", "expected --images LIST with it: true altitudes to look up");
     return read_transfer_curve(a.text("--table"));
@@ -117,21 +128,24 @@ int run(const Arguments &a) {
 }  // namespace
 
 Command transfer_command() {
-  return {with_common(
-              {"transfer",
-               "[PROFILE]",
-               "The transfer curve of an eye, as a table others can read; --images: where true altitudes are seen.",
-               {{"--height", "", "M", "eye above the surface [m]"},
-                {"--wavelengths", "", "LIST", "vacuum wavelengths [nm]"},
-                {"--from", "", "DEG", "lowest apparent altitude (-2)"},
-                {"--to", "", "DEG", "highest apparent altitude (10)"},
-                {"--tolerance", "", "ARCSEC", "error of linear interpolation between rows (0.01)"},
-                {"--precision", "", "P", "float | double (default)"},
-                {"--images", "", "LIST", "true altitudes [deg]: all apparent altitudes of each instead of the table"},
-                {"--table", "", "FILE.csv", "a table written before, instead of PROFILE"},
-                {"--format", "", "F", "csv (default) | json"},
-                {"--output", "-o", "FILE", "write to a file"}}}),
-          run};
+  return {
+      with_common(
+          {"transfer",
+           "[PROFILE]",
+           "The transfer curve of an eye, as a table others can read; --images: where true altitudes are seen.",
+           {{"--height", "", "M", "eye above the surface [m]"},
+            {"--wavelengths", "", "LIST", "vacuum wavelengths [nm]"},
+            {"--from", "", "DEG", "lowest apparent altitude (-2)"},
+            {"--to", "", "DEG", "highest apparent altitude (10)"},
+            {"--tolerance", "", "ARCSEC", "error of linear interpolation between rows (0.01)"},
+            {"--precision", "", "P", "float | double (default)"},
+            {"--method", "", "M", "auto | cells: layers in closed form | rk | richardson | section: as if it varied"},
+            {"--azimuth", "", "DEG", "where the eye looks, from north (the profile's azimuth_deg; else from the path)"},
+            {"--images", "", "LIST", "true altitudes [deg]: all apparent altitudes of each instead of the table"},
+            {"--table", "", "FILE.csv", "a table written before, instead of PROFILE"},
+            {"--format", "", "F", "csv (default) | json"},
+            {"--output", "-o", "FILE", "write to a file"}}}),
+      run};
 }
 
 }  // namespace greenray::cli

@@ -18,6 +18,7 @@ struct Device::State {
   std::size_t budget_bytes = 0, used_bytes = 0;
   double compile_seconds = 0;
   std::map<std::string, cl::Program> programs;  // by options and entry file
+  std::map<std::string, cl::Kernel> kernels;    // that have run once, by the same: another picture need not warm up
 };
 
 }  // namespace greenray

@@ -68,7 +68,7 @@ struct PhotonGather::State {
       const auto begin = std::chrono::steady_clock::now();
       cl_uint argument = 0;
       for (const cl::Buffer &buffer :
-           {m.cell_start->cl(), m.sub_start.cl(), m.x_m.cl(), m.y_m.cl(), m.z_m.cl(), m.normal.cl(), m.power_W.cl()})
+           {m.cell_start->cl(), m.boxes.cl(), m.x_m.cl(), m.y_m.cl(), m.z_m.cl(), m.normal.cl(), m.power_W.cl()})
         kernel.setArg(argument++, buffer);
       kernel.setArg(argument++, static_cast<cl_int>(m.stride));
       kernel.setArg(argument++, m.grid);

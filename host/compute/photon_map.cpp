@@ -10,9 +10,9 @@
 namespace greenray {
 namespace {
 
-// A chunk and what it is dealt into fit the third-level cache of a core (2 MB); pieces of buckets in it are then long.
-constexpr std::size_t most_of_chunk = 32768, least_of_chunk = 1024;
-constexpr std::size_t photons_of_bucket = 3000, most_buckets = 2048;  // so many fit a second-level cache thrice
+// A chunk and what it is dealt into fit the third-level cache of a core (4 MB); pieces of buckets in it are then long.
+constexpr std::size_t most_of_chunk = 65536, least_of_chunk = 1024;
+constexpr std::size_t photons_of_bucket = 2000, most_buckets = 4096;  // so many fit a second-level cache several times
 
 std::size_t room(std::size_t photons) { return std::max<std::size_t>(photons, 1); }
 
@@ -27,7 +27,7 @@ PhotonMap::State::State(std::shared_ptr<Device> d, const PhotonMapOptions &o)
       record_power_W(device, room(o.photons) * static_cast<std::size_t>(o.waves), "the power of photons"),
       moved(device, room(o.photons), "photons that are filed"),
       order(device, room(o.photons), "the order of photons"),
-      sub_start(device, room(o.photons), "the cells of the photon map"),
+      boxes(device, room(o.photons), "the cells of the photon map"),
       x_m(device, static_cast<std::size_t>(stride), "the photon map"),
       y_m(device, static_cast<std::size_t>(stride), "the photon map"),
       z_m(device, static_cast<std::size_t>(stride), "the photon map"),
@@ -40,6 +40,7 @@ cl::Kernel &PhotonMap::State::kernel(const char *name) {
   if (known != kernels_.end()) return known->second;
   BuildPlan plan{"build_map", device.lanes.lanes_float};
   plan.words = " -DWAVES=" + std::to_string(options.waves);
+  if (device.info.platform_name == "Portable Computing Language") plan.words += " -DWITH_FETCH_EARLY=1";
   const cl::Program program = build_program(device, plan);
   try {
     return kernels_[name] = cl::Kernel(program, name);
@@ -114,9 +115,9 @@ void PhotonMap::State::build(std::size_t count, const Bounds &bounds, double cel
     bound("scan_buckets", {&chunk_order, &bucket_start, &filing}).setArg(3, plan);
     launch("scan_buckets", 1);
 
-    cl::Kernel &file = bound(
-        "file_photons", {&photons, &power, &moved.cl(), &starts, &bucket_start, &filing, &cell_start->cl(),
-                         &sub_start.cl(), &x_m.cl(), &y_m.cl(), &z_m.cl(), &normal.cl(), &power_W.cl(), &order.cl()});
+    cl::Kernel &file =
+        bound("file_photons", {&photons, &power, &moved.cl(), &starts, &bucket_start, &filing, &cell_start->cl(),
+                               &boxes.cl(), &x_m.cl(), &y_m.cl(), &z_m.cl(), &normal.cl(), &power_W.cl(), &order.cl()});
     file.setArg(14, stride);
     file.setArg(15, plan);
     file.setArg(16, grid);

@@ -37,7 +37,7 @@ struct PhotonMap::State {
   Buffer<float> record_power_W;  // [photons][waves]
   Buffer<MovedPhoton> moved;
   Buffer<cl_uint> order;                 // number of the record; while photons are filed, their cells
-  Buffer<cl_int> sub_start;              // of dense cells: kernels/map/grid.h
+  Buffer<float> boxes;                   // of dense cells: kernels/map/blocks.h
   Buffer<float> x_m, y_m, z_m, power_W;  // power_W[waves][stride]
   Buffer<cl_uint> normal;
   std::optional<Buffer<cl_int>> cell_start;

@@ -48,7 +48,7 @@ std::string build_options(const BuildPlan &plan) {
          " -DREAL_IS_DOUBLE=" + (plan.real_is_double ? "1" : "0") +
          " -DTABLE_IS_IMAGE=" + (plan.table_is_image ? "1" : "0") +
          " -DINTEGRATOR_IS_RICHARDSON=" + (plan.richardson ? "1" : "0") +
-         " -DWITH_COLUMNS=" + (plan.with_columns ? "1" : "0") +
+         " -DWITH_COLUMNS=" + (plan.with_columns ? "1" : "0") + " -DMEDIUM_VARIES=" + (plan.medium_varies ? "1" : "0") +
          (plan.sky_waves ? " -DSKY_WAVES=" + std::to_string(plan.sky_waves) : "") + plan.words;
 }
 

@@ -14,8 +14,9 @@ struct BuildPlan {
   bool table_is_image = false;
   bool richardson = false;
   bool with_columns = true;
-  int sky_waves = 0;       // shade_sky: wavelengths, padded to whole groups of lanes
-  std::string words = {};  // " -DNAME=VALUE" of one entry alone
+  bool medium_varies = false;  // along the surface
+  int sky_waves = 0;           // shade_sky: wavelengths, padded to whole groups of lanes
+  std::string words = {};      // " -DNAME=VALUE" of one entry alone
 };
 
 std::string build_options(const BuildPlan &plan);

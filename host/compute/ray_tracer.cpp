@@ -1,23 +1,18 @@
 #include "compute/ray_tracer.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <map>
 
 #include "compute/buffer.hpp"
 #include "compute/program.hpp"
+#include "compute/ray_batches.hpp"
 #include "compute/ray_end.hpp"
 #include "support/error.hpp"
 
 namespace greenray {
 namespace {
 
-constexpr std::size_t batch_rays = std::size_t{1} << 18;
 constexpr std::size_t probe_rays = 4096;  // enough to tell a buffer from an image
-
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
 
 template <class Cell>
 std::vector<Cell> cells_for_device(const IndexTable &table) {
@@ -188,38 +183,15 @@ struct RayTracer::State {
   std::vector<f64::RayEnd> run(std::span<const f64::RayStart> all, Narrow narrow) {
     std::vector<f64::RayEnd> results;
     results.reserve(all.size());
-    if (all.empty()) return results;
-    const std::size_t left = device.budget_bytes - std::min(device.budget_bytes, device.used_bytes);
-    const std::size_t fitting = std::max<std::size_t>(left / 2 / (sizeof(Start) + sizeof(End)), 64);
-    const std::size_t batch = std::min({all.size(), batch_rays, fitting});
-    Buffer<Start> starts(device, batch, "rays to trace");
-    Buffer<End> ends(device, batch, "traced rays");
-    std::vector<Start> host_starts(batch);
-    std::vector<End> host_ends(batch);
-    for (std::size_t first = 0; first < all.size(); first += batch) {
-      if (first > 0 && options.between_batches) options.between_batches();
-      const std::size_t count = std::min(batch, all.size() - first);
-      std::transform(all.begin() + static_cast<std::ptrdiff_t>(first),
-                     all.begin() + static_cast<std::ptrdiff_t>(first + count), host_starts.begin(), narrow);
-      starts.write(host_starts.data(), count);
-      if (!decided) decide(starts, ends, count);
-      warm_up(use_image, starts, ends);
-      stats.device_seconds += launch(use_image, starts, ends, count);
-      ends.read(host_ends.data(), count);
-      for (std::size_t i = 0; i < count; ++i) note(results.emplace_back(widened(host_ends[i])));
-    }
+    trace_in_batches<Start, End>(
+        device, all, options.between_batches, narrow,
+        [&](Buffer<Start> &starts, Buffer<End> &ends, std::size_t count) {
+          if (!decided) decide(starts, ends, count);
+          warm_up(use_image, starts, ends);
+          stats.device_seconds += launch(use_image, starts, ends, count);
+        },
+        [&](const End &end) { note_end(stats, results.emplace_back(widened(end))); });
     return results;
-  }
-
-  void note(const f64::RayEnd &end) {
-    ++stats.rays;
-    ++stats.outcomes[static_cast<std::size_t>(std::clamp(end.outcome, 0, static_cast<int>(f64::RAY_OUTCOMES) - 1))];
-    stats.steps += static_cast<std::uint64_t>(end.steps);
-    stats.rejected += static_cast<std::uint64_t>(end.rejected);
-    if (end.outcome == f64::RAY_SPACE || end.outcome == f64::RAY_GROUND) {
-      stats.solver_error_rad = std::max(stats.solver_error_rad, end.solver_error_rad);
-      stats.bouguer_drift = std::max(stats.bouguer_drift, end.bouguer_drift);
-    }
   }
 };
 

@@ -23,6 +23,7 @@ struct SkyShader::State {
   int waves;
   f32::SkyView view{};
   cl::Kernel kernel;
+  bool warm = false;
 
   State(std::shared_ptr<Device> d, const SkyTable &t, int width, int rows)
       : owner(std::move(d)),
@@ -36,9 +37,11 @@ struct SkyShader::State {
     limb.write(t.limb.data(), t.limb.size());
     BuildPlan plan{"shade_sky", device.lanes.lanes_float, false, false, false, false};
     plan.sky_waves = waves;
-    const cl::Program program = build_program(device, plan);
+    const std::string key = plan.entry + build_options(plan);
+    warm = device.kernels.count(key) > 0;
     try {
-      kernel = cl::Kernel(program, "shade_sky");
+      if (!warm) device.kernels[key] = cl::Kernel(build_program(device, plan), "shade_sky");
+      kernel = device.kernels[key];
       kernel.setArg(0, table.cl());
       kernel.setArg(1, limb.cl());
       kernel.setArg(2, spectra.cl());
@@ -76,6 +79,7 @@ std::size_t SkyShader::band_bytes(int width, int rows, int waves) {
 
 SkyShader::SkyShader(std::shared_ptr<Device> device, const SkyTable &table, int width, int most_rows)
     : state_(std::make_unique<State>(std::move(device), table, width, most_rows)) {
+  if (state_->warm) return;
   // PoCL compiles at the first launch: one pixel without samples, counted as compiling.
   f32::SkyView nothing{};
   nothing.width = nothing.rows = 1;

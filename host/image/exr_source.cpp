@@ -12,6 +12,7 @@
 #include <ImfStringAttribute.h>
 #include <ImfThreading.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <mutex>
@@ -118,11 +119,16 @@ class ExrSource : public PictureSource {
       check_spectral_unit(header);
     } else if (rgb) {
       channels_ = {"R", "G", "B"};
-      to_xyz_ = xyz_of_primaries(chromaticities(header));
+      const std::array<double, 8> own = chromaticities(header), rec709 = ExrPicture{}.chromaticities;
+      facts_.rec709 = options.rec709 && std::equal(own.begin(), own.end(), rec709.begin(),
+                                                   [](double a, double b) { return std::abs(a - b) < 1e-5; });
+      if (!facts_.rec709) to_xyz_ = xyz_of_primaries(own);
     } else if (xyz) {
       channels_ = {"X", "Y", "Z"};
     } else if (list.findChannel("Y")) {
       channels_ = {"Y"};
+      if (list.findChannel("RY") || list.findChannel("BY"))
+        facts_.notes.push_back("colour as differences to luminance (RY, BY) is not read: taken as grey");
       to_xyz_ = xyz_of_primaries(ExrPicture{}.chromaticities);
     } else {
       throw complaint(path_, "expected channels R,G,B or X,Y,Z or spectra (S0.550,000000nm), found none of them");

@@ -1,7 +1,9 @@
 #include "image/picture_source.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "image/colour.hpp"
 #include "support/error.hpp"
@@ -74,6 +76,13 @@ Rgb rgb_of_spectrum(const SpectralWeights &weights, const std::vector<float> &pl
   return rgb_from_xyz(xyz);
 }
 
+/// More light than a number can tell, in any of three channels; the others are numbers.
+bool is_infinite_light(double x, double y, double z) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const double least = std::min({x, y, z}), most = std::max({x, y, z});
+  return most == infinity && least > -infinity && !std::isnan(x) && !std::isnan(y) && !std::isnan(z);
+}
+
 }  // namespace
 
 std::unique_ptr<PictureSource> picture_source(const RgbImage &image, std::optional<double> fov_deg) {
@@ -110,6 +119,10 @@ std::vector<float> read_rgb_rows(PictureSource &source, int first, int rows) {
   const std::size_t count = static_cast<std::size_t>(rows) * static_cast<std::size_t>(facts.width);
   std::vector<float> rgb(3 * count);
   for (std::size_t i = 0; i < count; ++i) {
+    if (facts.rec709) {
+      for (std::size_t c = 0; c < 3; ++c) rgb[3 * i + c] = planes[c * count + i];
+      continue;
+    }
     const Rgb colour = facts.spectral()
                            ? rgb_of_spectrum(weights, planes, count, i)
                            : rgb_from_xyz({static_cast<double>(planes[i]), static_cast<double>(planes[count + i]),
@@ -156,7 +169,7 @@ void transform_planes(const Matrix3 &m, std::vector<float> &planes) {
   const std::size_t count = planes.size() / 3;
   float *a = planes.data(), *b = a + count, *c = b + count;
   const bool only_scales = m[0][1] == 0 && m[0][2] == 0 && m[1][0] == 0 && m[1][2] == 0 && m[2][0] == 0 && m[2][1] == 0;
-  if (only_scales) {  // 0 x infinity would be NaN
+  if (only_scales) {
     for (std::size_t channel = 0; channel < 3; ++channel)
       for (std::size_t i = 0; i < count; ++i) {
         float &value = planes[channel * count + i];
@@ -166,6 +179,10 @@ void transform_planes(const Matrix3 &m, std::vector<float> &planes) {
   }
   for (std::size_t i = 0; i < count; ++i) {
     const double x = static_cast<double>(a[i]), y = static_cast<double>(b[i]), z = static_cast<double>(c[i]);
+    if (is_infinite_light(x, y, z)) {  // 0 x infinity would be NaN
+      a[i] = b[i] = c[i] = std::numeric_limits<float>::infinity();
+      continue;
+    }
     a[i] = static_cast<float>(m[0][0] * x + m[0][1] * y + m[0][2] * z);
     b[i] = static_cast<float>(m[1][0] * x + m[1][1] * y + m[1][2] * z);
     c[i] = static_cast<float>(m[2][0] * x + m[2][1] * y + m[2][2] * z);

@@ -17,6 +17,7 @@ struct PictureFacts {
   int width = 0, height = 0;
   std::vector<double> wavelength_nm;  // ascending; empty: the planes are X, Y, Z (CIE 1931)
   bool absolute = true;               // false: the luminance of its unit is not known
+  bool rec709 = false;                // the planes are linear Rec. 709 in place of X, Y, Z
   std::optional<double> fov_deg;      // horizontal width seen by the observer
   std::vector<std::string> notes;     // what had to be assumed
 
@@ -41,6 +42,7 @@ class PictureSource {
 struct SourceOptions {
   std::optional<double> unit_cd_m2;  // luminance of RGB (1,1,1) or Y = 1; replaces what the file says
   bool spectra = true;               // false: colours of the file, though it has spectra
+  bool rec709 = false;               // true: an EXR in Rec. 709 stays so, bit for bit (facts().rec709)
 };
 
 /* EXR (first part: S0.<nm> spectra, else R,G,B with `chromaticities` and `whiteLuminance`, else X,Y,Z, else Y) or

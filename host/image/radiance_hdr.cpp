@@ -70,9 +70,12 @@ class HeaderReader {
       return line.rfind(start, 0) == 0 ? std::optional(line.substr(start.size())) : std::nullopt;
     };
     if (const auto format = after("FORMAT=")) {
-      if (*format != "32-bit_rle_rgbe" && *format != "32-bit_rle_xyze")
+      std::istringstream words(*format);  // with spaces around it, as Radiance itself takes it
+      std::string name, more;
+      words >> name;
+      if ((name != "32-bit_rle_rgbe" && name != "32-bit_rle_xyze") || words >> more)
         throw complaint(path_, line_ - 1, "FORMAT: expected 32-bit_rle_rgbe or 32-bit_rle_xyze, found " + *format);
-      header_.is_xyz = *format == "32-bit_rle_xyze";
+      header_.is_xyz = name == "32-bit_rle_xyze";
     } else if (const auto exposure = after("EXPOSURE=")) {
       header_.exposure *= factors(*exposure, 1, "EXPOSURE")[0];
     } else if (const auto correction = after("COLORCORR=")) {

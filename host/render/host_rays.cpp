@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "render/launch.hpp"
 #include "support/angle.hpp"
@@ -33,8 +34,24 @@ f64::RayEnd trace_on_host(const IndexTable &table, std::size_t row, double heigh
   return end;
 }
 
+HostRay host_ray(IndexTable table, std::size_t row, double height_m) {
+  return [table = std::move(table), row, height_m](double e) { return trace_on_host(table, row, height_m, e); };
+}
+
+HostRay host_ray(SectionTable table, std::size_t row, const SectionEye &eye, double azimuth_rad) {
+  const auto known = std::make_shared<SectionTable>(std::move(table));
+  const auto section = std::make_shared<HostSection>(*known);
+  return [known, section, row, eye, azimuth_rad](double e) {
+    return plain(section->trace(launch(*known, row, eye, e, azimuth_rad)), *known);
+  };
+}
+
 std::optional<double> horizon_rad(const IndexTable &table, double height_m) {
-  const auto in_sky = [&](double e) { return trace_on_host(table, 0, height_m, e).outcome == f64::RAY_SPACE; };
+  return horizon_rad([&](double e) { return trace_on_host(table, 0, height_m, e); });
+}
+
+std::optional<double> horizon_rad(const HostRay &ray) {
+  const auto in_sky = [&](double e) { return ray(e).outcome == f64::RAY_SPACE; };
   double high = to_rad(1.0), low = -pi / 2;
   if (!in_sky(high) || in_sky(low)) return std::nullopt;
   // The topmost ground ray: step down from the sky in thin steps first, so that ducts below do not confuse the
@@ -53,13 +70,13 @@ std::optional<double> horizon_rad(const IndexTable &table, double height_m) {
   return high;
 }
 
-std::optional<double> apparent_altitude_rad(const IndexTable &table, double height_m, double true_altitude_rad,
+std::optional<double> apparent_altitude_rad(const HostRay &ray, double true_altitude_rad,
                                             const std::optional<double> &horizon) {
   constexpr double above_it = 1e-9;  // so that the ray misses the ground
   const auto not_below = [&](double e) { return horizon ? std::max(e, *horizon + above_it) : e; };
   double e = not_below(true_altitude_rad + from_arcsec(1500));
   for (int i = 0; i < 60; ++i) {
-    const f64::RayEnd end = trace_on_host(table, 0, height_m, std::min(e, pi / 2));
+    const f64::RayEnd end = ray(std::min(e, pi / 2));
     if (end.outcome != f64::RAY_SPACE) return std::nullopt;
     const double next = true_altitude_rad + end.bending_rad;
     if (std::abs(next - e) < 1e-10) return next;

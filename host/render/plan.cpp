@@ -5,6 +5,7 @@
 
 #include "render/host_rays.hpp"
 #include "render/renderer.hpp"
+#include "render/solver_choice.hpp"
 #include "render/spectrum.hpp"
 #include "render/sun_place.hpp"
 #include "support/angle.hpp"
@@ -75,14 +76,23 @@ constexpr double float_arcsec = 0.005;  // what float leaves uncertain at the ho
 void choose_solver(const Scene &scene, const RenderOptions &options, RenderPlan &plan) {
   using Method = TracingScene::Method;
   const TracingScene &t = scene.tracing;
-  plan.method = t.method == Method::richardson ? RayMethod::richardson
-                : t.method == Method::rk45     ? RayMethod::dormand_prince
-                                               : RayMethod::cells;
+  const ProfileSpec air = spec_for(scene, options);
+  const SolverChoice choice = choose_solver(air,
+                                            t.method == Method::richardson ? "richardson"
+                                            : t.method == Method::rk45     ? "rk"
+                                            : t.method == Method::cells    ? "cells"
+                                                                           : "auto",
+                                            air.place);
+  plan.method = choice.method;
+  plan.section = choice.section;
+  plan.azimuth_from_path_rad = azimuth_from_path_rad(scene);
   const bool constant = options.straight || scene.atmosphere.profile.exaggerate == 0;
-  const std::string why = t.method != Method::automatic ? "tracing.method asks for it"
-                          : constant                    ? "n is constant: the closed form of a straight line"
-                                                        : "n depends on height alone: layers in closed form";
-  plan.choices.push_back({"solver", method_name(plan.method), why, constant ? 0 : t.table_arcsec, "arcsec"});
+  const std::string why = has_places(air) && !constant    ? choice.why
+                          : t.method != Method::automatic ? "tracing.method asks for it"
+                          : constant                      ? "n is constant: the closed form of a straight line"
+                                                          : "n depends on height alone: layers in closed form";
+  plan.choices.push_back(
+      {"solver", plan.section ? "adaptive" : method_name(plan.method), why, constant ? 0 : t.table_arcsec, "arcsec"});
 
   const bool fine_pixels = plan.pixel_arcsec < 20 * float_arcsec;
   const bool asked = t.precision != TracingScene::Precision::automatic;
@@ -102,23 +112,66 @@ void choose_solver(const Scene &scene, const RenderOptions &options, RenderPlan 
        plan.per_pixel ? 0 : t.table_arcsec, "arcsec"});
 }
 
+/// Of the outermost wavelengths, through a coarse table.
+std::array<HostRay, 2> outermost_rays(const Scene &scene, const RenderOptions &options, const RenderPlan &plan) {
+  const AirSection air(spec_for(scene, options));
+  const double height_m = scene.observer.height_m, error_arcsec = 0.01;
+  const bool flat = scene.atmosphere.surface == Surface::flat;
+  const std::vector<double> ends{plan.wavelengths_nm.front(), plan.wavelengths_nm.back()};
+  if (plan.section) {
+    const SectionTable table = build_section_table(section_medium(air, flat), ends, {error_arcsec, height_m});
+    return {host_ray(table, 0, {0, height_m}, plan.azimuth_from_path_rad),
+            host_ray(table, 1, {0, height_m}, plan.azimuth_from_path_rad)};
+  }
+  const IndexTable table = build_index_table(air.at(0), ends, {flat, error_arcsec, height_m});
+  return {host_ray(table, 0, height_m), host_ray(table, 1, height_m)};
+}
+
+/// Where the air varies, rays of one elevation differ with azimuth: by how much at the sides of the picture, against
+/// its middle, over elevations across it [arcsec].
+double azimuth_arcsec(const Scene &scene, const RenderOptions &options, const RenderPlan &plan) {
+  const AirSection air(spec_for(scene, options));
+  const double height_m = scene.observer.height_m, half = to_rad(scene.observer.fov_deg) / 2;
+  const SectionTable table =
+      build_section_table(section_medium(air, scene.atmosphere.surface == Surface::flat),
+                          {plan.wavelengths_nm[plan.wavelengths_nm.size() / 2]}, {0.01, height_m});
+  const HostSection section(table);
+  const auto ray = [&](double elevation, double aside) {
+    return section.trace(launch(table, 0, {0, height_m}, elevation, plan.azimuth_from_path_rad + aside), 1e-10);
+  };
+  const double low = to_rad(plan.first_elevation_deg);
+  const double high = low + from_arcsec(plan.spacing_arcsec) * static_cast<double>(plan.entries - 1);
+  constexpr int rows = 24;
+  double widest = 0;
+  for (int i = 0; i <= rows; ++i) {
+    const double e = low + (high - low) * i / rows;
+    const f64_section::RayEnd middle = ray(e, 0), beside = ray(e + from_arcsec(plan.pixel_arcsec), 0);
+    if (middle.outcome != f64_section::RAY_SPACE || beside.outcome != middle.outcome) continue;
+    // What a shift by a pixel does: near folds a small difference of direction is a large one of bending.
+    const double stretch =
+        std::max(1.0, std::abs(beside.bending_rad - middle.bending_rad) / from_arcsec(plan.pixel_arcsec));
+    for (double side : {-half, half}) {
+      const f64_section::RayEnd end = ray(e, side);
+      if (end.outcome == middle.outcome)
+        widest = std::max(widest, std::abs(end.bending_rad - middle.bending_rad) / stretch);
+    }
+  }
+  return to_arcsec(widest);
+}
+
 /// How far apart the picture's outermost wavelengths are seen, at most, over elevations across the picture and just
 /// above its horizon.
 double dispersion_arcsec(const Scene &scene, const RenderOptions &options, const RenderPlan &plan) {
-  const Profile profile(spec_for(scene, options));
-  const double height_m = scene.observer.height_m;
-  const std::vector<double> ends{plan.wavelengths_nm.front(), plan.wavelengths_nm.back()};
-  const IndexTable table =
-      build_index_table(profile, ends, {scene.atmosphere.surface == Surface::flat, 0.01, height_m});
+  const std::array<HostRay, 2> rays = outermost_rays(scene, options, plan);
   const double low = to_rad(plan.first_elevation_deg);
   const double high = low + from_arcsec(plan.spacing_arcsec) * static_cast<double>(plan.entries - 1);
   std::vector<double> elevations;
   for (int i = 0; i <= 8; ++i) elevations.push_back(low + (high - low) * i / 8);
-  if (const auto horizon = horizon_rad(table, height_m))
+  if (const auto horizon = horizon_rad(rays[0]))
     if (*horizon > low && *horizon < high) elevations.push_back(*horizon + from_arcsec(10));
   double widest = 0;
   for (double e : elevations) {
-    const f64::RayEnd a = trace_on_host(table, 0, height_m, e), b = trace_on_host(table, 1, height_m, e);
+    const f64::RayEnd a = rays[0](e), b = rays[1](e);
     if (a.outcome == b.outcome) widest = std::max(widest, std::abs(a.bending_rad - b.bending_rad));
   }
   return to_arcsec(widest);
@@ -145,10 +198,24 @@ void choose_wavelengths(const Scene &scene, const RenderOptions &options, Render
       {"bending", one ? "one wavelength for all" : "each wavelength its own", words.str(), one ? pixels : 0, "pixel"});
 }
 
+void note_azimuths(const Scene &scene, const RenderOptions &options, RenderPlan &plan) {
+  if (!plan.section || plan.per_pixel) return;
+  const double apart = azimuth_arcsec(scene, options, plan), pixels = pixel_share(apart, plan);
+  std::ostringstream words;
+  words << "at the sides of the picture rays of the same elevation are bent " << apart << "\" otherwise, " << pixels
+        << " pixel";
+  const bool seen = pixels > visible_pixels;
+  if (seen) words << ": more than " << visible_pixels << "; tracing.transfer = \"per-pixel\" follows it, slowly";
+  plan.choices.push_back({"azimuth", "the air along the middle of the picture", words.str(), apart, "arcsec"});
+  if (seen) plan.left_out.push_back("change of the air with azimuth: " + words.str());
+}
+
 void explain(const Scene &scene, const RenderOptions &options, RenderPlan &plan) {
   auto &did = plan.modelled, &left = plan.left_out;
   if (options.straight) left.push_back("bending: --straight");
-  else did.push_back("bent rays: the index varies with height");
+  else
+    did.push_back(plan.section ? "bent rays: the index varies with height and along the surface"
+                               : "bent rays: the index varies with height");
   if (plan.bent_nm.size() > 1) did.push_back("dispersion: " + std::to_string(plan.bent_nm.size()) + " wavelengths");
   else
     left.push_back(plan.wavelengths_nm.size() > 1
@@ -186,6 +253,7 @@ RenderPlan plan_render(const Scene &scene, const RenderOptions &options) {
   size_transfer_table(scene, plan);
   choose_solver(scene, options, plan);
   choose_wavelengths(scene, options, plan);
+  note_azimuths(scene, options, plan);
 
   const bool own = options.spp || options.error_pct || options.minutes;
   const std::optional<int> spp = own ? options.spp : t.spp;

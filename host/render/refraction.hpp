@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "atmosphere/profile.hpp"
+#include "atmosphere/air_section.hpp"
 #include "render/sky_rays.hpp"
 
 namespace greenray {
@@ -17,6 +17,8 @@ struct RefractionRequest {
   RayMethod method = RayMethod::cells;
   double tolerance_arcsec = 1e-4;  // bounds the error of refraction for rays that reach space, the table's included
   bool flat = false;
+  bool section = false;    // step through the air as varying along the surface, whether or not it does
+  double azimuth_rad = 0;  // clockwise from the direction of x; of air that varies
 };
 
 struct RefractionRow {
@@ -27,7 +29,8 @@ struct RefractionRow {
   double min_height_m, max_height_m;
   std::optional<double> ground_distance_m;
   int turning_points;
-  double error_arcsec;  // bound: see refraction_table
+  double error_arcsec;         // bound: see refraction_table
+  double sideways_arcsec = 0;  // out of the vertical plane, clockwise; of air that varies
 };
 
 struct RefractionTable {
@@ -35,6 +38,9 @@ struct RefractionTable {
   std::size_t cells_per_row = 0;
   double table_bound_arcsec = 0;        // above the tolerance when a layer is too thin for the table
   double error_arcsec = 0;              // largest estimate over rows with status space
+  /// Of air that varies: the largest error of rays that reach space, by the finer setting, that the table causes, and
+  /// what the device's steps and rounding add to it; over max(1, |dR/da|).
+  std::optional<double> measured_table_arcsec, measured_solver_arcsec;
   std::size_t rows_over_tolerance = 0;  // status space, and over max(1, |dR/da|) above it
   TraceStats stats;
 };
@@ -44,6 +50,9 @@ struct RefractionTable {
 /// estimate. A row's error: one and a half times that difference, plus what both settings may have in common, the finer
 /// one's table error times max(1, |dR/da|), for near a fold an error of direction is an error of refraction so many
 /// times larger.
+/// Air that varies along the surface: request.section with a stepping method.
+RefractionTable refraction_table(const AirSection &air, const RefractionRequest &request,
+                                 const std::shared_ptr<Device> &device);
 RefractionTable refraction_table(const Profile &profile, const RefractionRequest &request,
                                  const std::shared_ptr<Device> &device);
 
@@ -54,6 +63,8 @@ struct TraceRequest {
   RayMethod method = RayMethod::cells;
   double tolerance_arcsec = 1e-4;
   bool flat = false;
+  bool section = false;  // as in RefractionRequest
+  double azimuth_rad = 0;
 };
 
 struct TraceRow {
@@ -63,6 +74,8 @@ struct TraceRow {
 };
 
 /// Where each ray is after a distance along the surface. Rows: altitude outermost, then wavelength, then distance.
+std::vector<TraceRow> trace_table(const AirSection &air, const TraceRequest &request,
+                                  const std::shared_ptr<Device> &device);
 std::vector<TraceRow> trace_table(const Profile &profile, const TraceRequest &request,
                                   const std::shared_ptr<Device> &device);
 

@@ -8,6 +8,7 @@
 #include "render/sky.hpp"
 #include "render/sky_own_rays.hpp"
 #include "render/sky_picture.hpp"
+#include "render/sky_sight.hpp"
 #include "render/sun_place.hpp"
 #include "render/transfer_curve.hpp"
 #include "support/angle.hpp"
@@ -20,33 +21,23 @@ double seconds_since(Clock::time_point begin) { return std::chrono::duration<dou
 
 std::atomic<bool> stop_flag{false};
 
-constexpr std::size_t lookup_probes = 64;
 constexpr std::size_t cached_bytes = std::size_t{8} << 20;  // a band of this size is still in cache when it is read
 
 class Renderer {
  public:
   Renderer(const Scene &scene, const RenderPlan &plan, const RenderOptions &options, std::shared_ptr<Device> device)
-      : scene_(scene),
-        plan_(plan),
-        options_(options),
-        device_(std::move(device)),
-        profile_(spec_for(scene, options)),
-        flat_(scene.atmosphere.surface == Surface::flat) {}
+      : scene_(scene), plan_(plan), options_(options), device_(std::move(device)) {}
 
   Rendered run() {
-    const auto begin = Clock::now();
-    progress("table", 0);
-    reference_ = reference_table(scene_, profile_);
-    rays_.emplace(profile_, plan_.bent_nm, ray_options(), device_);
-    report_.table_cells = rays_->cells();
-    report_.table_bound_arcsec = rays_->table().bound_arcsec;
-    place_sun();
-    measure_table();
-    report_.build_seconds = seconds_since(begin);
-    trace_table();
+    bool reused = false;
+    const double compiled_before = options_.cache && options_.cache->sight ? device_->compile_seconds() : 0;
+    sight_ = sky_sight(scene_, plan_, options_, device_, options_.cache, reused,
+                       [this](const std::string &phase) { progress(phase, 0); });
+    report_ = sight_->report();
+    if (reused) report_.build_seconds = report_.emit_seconds = 0;
+    light();
     shade();
-    report_.compile_seconds = device_->compile_seconds();
-    report_.emit_seconds = std::max(0.0, report_.emit_seconds - compiled_while_tracing_);
+    report_.compile_seconds = device_->compile_seconds() - compiled_before;
     return {std::move(image_), report_};
   }
 
@@ -57,83 +48,30 @@ class Renderer {
   }
 
   void place_sun() {
-    const std::optional<double> horizon = horizon_rad(reference_, scene_.observer.height_m);
+    const std::optional<double> horizon = sight_->horizon_rad();
     if (horizon) report_.horizon_altitude_deg = to_deg(*horizon);
-    sun_ = place_of_sun(scene_, reference_);
+    sun_ = place_of_sun(scene_, sight_->reference());
     if (!sun_.shines) return;
     report_.sun_true_altitude_deg = to_deg(sun_.true_altitude_rad);
-    if (const auto seen = apparent_altitude_rad(reference_, scene_.observer.height_m, sun_.true_altitude_rad, horizon))
+    if (const auto seen = apparent_altitude_rad(sight_->reference(), sun_.true_altitude_rad, horizon))
       report_.sun_apparent_altitude_deg = to_deg(*seen);
+    else find_sun_in(sight_->curve());
   }
 
-  /// Error of the table: its rays against those of a table thirty times finer, in double on the host. Error of the
-  /// layers: the device's rays against those in double by steps through the same table.
-  void measure_table() {
-    const std::size_t row = plan_.bent_nm.size() / 2;
-    const IndexTable &table = rays_->table();
-    const IndexTable fine = build_index_table(profile_, {plan_.bent_nm[row]},
-                                              {flat_, rays_->index_error_arcsec() / 30, scene_.observer.height_m});
-    std::vector<double> elevations;
-    for (int i = 0; i < 48; ++i)
-      elevations.push_back(to_rad(plan_.first_elevation_deg) +
-                           from_arcsec(plan_.spacing_arcsec) * static_cast<double>(plan_.entries - 1) * (i + 0.5) / 48);
-    const std::vector<f64::RayEnd> ours = rays_->trace(elevations);
-    const auto worse = [](double &worst, const f64::RayEnd &a, const f64::RayEnd &b) {
-      if (a.outcome == f64::RAY_SPACE && b.outcome == f64::RAY_SPACE)
-        worst = std::max(worst, to_arcsec(std::abs(a.bending_rad - b.bending_rad)));
-    };
-    for (std::size_t i = 0; i < elevations.size(); ++i) {
-      const f64::RayEnd a = trace_on_host(table, row, scene_.observer.height_m, elevations[i]);
-      worse(report_.table_arcsec, a, trace_on_host(fine, 0, scene_.observer.height_m, elevations[i]));
-      if (plan_.method == RayMethod::cells) worse(report_.solver_arcsec, a, ours[i * plan_.bent_nm.size() + row]);
-    }
+  /// Through a duct the Sun may be seen far from where iteration looks for it: then as the curve shows it.
+  void find_sun_in(const TransferCurve &curve) {
+    if (!plan_.section) return;
+    const std::vector<Image> images = images_of(curve, plan_.bent_nm.size() / 2, sun_.true_altitude_rad);
+    if (!images.empty()) report_.sun_apparent_altitude_deg = images.front().apparent_altitude_deg;
   }
 
-  SkyRayOptions ray_options() const {
-    SkyRayOptions rays;
-    rays.height_m = scene_.observer.height_m;
-    rays.flat = flat_;
-    rays.method = plan_.method;
-    rays.precision = plan_.precision;
-    rays.error_arcsec = scene_.tracing.table_arcsec;
-    rays.step_rad = scene_.tracing.tolerance;
-    rays.max_steps = scene_.tracing.max_steps;
-    rays.absorbers = {ozone_peak_m, ozone_width_m, scene_.atmosphere.aerosol_scale_height_m};
-    return rays;
-  }
-
-  void trace_table() {
-    progress("rays", 0);
+  void light() {
     const auto begin = Clock::now();
     const double compiled_before = device_->compile_seconds();
-    const double low = to_rad(plan_.first_elevation_deg), spacing = from_arcsec(plan_.spacing_arcsec);
-    const double high = low + spacing * static_cast<double>(plan_.entries - 1);
-    const TransferCurve curve = trace_transfer_curve(*rays_, low, std::min(high, pi / 2), scene_.tracing.table_arcsec);
-    report_.curve_entries = curve.elevation_rad.size();
-    transfer_ = evenly_spaced(curve, low, spacing, plan_.entries);
-    report_.trace = rays_->stats();  // of the picture's own rays; those below are measurements
-    probes_ = probe_between(*rays_, transfer_, lookup_probes);
-    report_.lookup_arcsec = lookup_error_arcsec(transfer_, probes_);
-    light_ = {scene_.sky, sun_, rays_at(sunlight_altitude_deg()), rays_at(10),
+    place_sun();
+    light_ = {scene_.sky, sun_, sight_->rays_at(sunlight_altitude_deg()), sight_->rays_at(10),
               spectral_air(scene_, plan_.wavelengths_nm)};
-    share_wavelengths();
-    report_.table_in_image = rays_->table_in_image();
-    if (plan_.method != RayMethod::cells) report_.solver_arcsec = to_arcsec(report_.trace.solver_error_rad);
-    compiled_while_tracing_ = device_->compile_seconds() - compiled_before;
-    report_.emit_seconds = seconds_since(begin);
-  }
-
-  void share_wavelengths() {
-    const std::size_t bent = plan_.bent_nm.size(), wanted = plan_.wavelengths_nm.size();
-    transfer_.rays = for_all_wavelengths(transfer_.rays, bent, wanted);
-    transfer_.edges = for_all_wavelengths(transfer_.edges, bent, wanted);
-    probes_.rays = for_all_wavelengths(probes_.rays, bent, wanted);
-    transfer_.wavelengths = wanted;
-  }
-
-  std::vector<Transfer> rays_at(double altitude_deg) {
-    const TransferTable traced = trace_elevations(*rays_, {to_rad(altitude_deg)});
-    return for_all_wavelengths(traced.rays, traced.wavelengths, plan_.wavelengths_nm.size());
+    report_.emit_seconds += std::max(0.0, seconds_since(begin) - (device_->compile_seconds() - compiled_before));
   }
 
   /// Where the Sun is seen; below the horizon, just above it: a few arc-seconds, for each wavelength has its own
@@ -153,14 +91,14 @@ class Renderer {
     v.pixel_tangent = static_cast<float>(2 * std::tan(to_rad(scene_.observer.fov_deg) / 2) / plan_.size[0]);
     v.centre_column = 0.5f * static_cast<float>(plan_.size[0]);
     v.centre_row = 0.5f * static_cast<float>(plan_.size[1]);
-    v.first_elevation_rad = static_cast<float>(transfer_.first_elevation_rad);
-    v.entries_per_rad = static_cast<float>(1 / transfer_.spacing_rad);
+    v.first_elevation_rad = static_cast<float>(sight_->transfer().first_elevation_rad);
+    v.entries_per_rad = static_cast<float>(1 / sight_->transfer().spacing_rad);
     v.sun_azimuth_rad = static_cast<float>(sun_.azimuth_rad);
     v.sun_sin_altitude = static_cast<float>(std::sin(sun_.true_altitude_rad));
     v.sun_cos_altitude = static_cast<float>(std::cos(sun_.true_altitude_rad));
     v.sun_radius_rad = static_cast<float>(sun_.radius_rad);
     v.phase_asymmetry = static_cast<float>(aerosol_asymmetry);
-    v.entries = static_cast<int>(transfer_.entries);
+    v.entries = static_cast<int>(sight_->transfer().entries);
     v.width = plan_.crop[2] - plan_.crop[0];
     v.first_column = plan_.crop[0];
     v.seed = static_cast<unsigned int>(options_.seed ^ (options_.seed >> 32));
@@ -171,14 +109,14 @@ class Renderer {
     const auto begin = Clock::now();
     const double compiled_before = device_->compile_seconds();
     const int waves = padded_waves(*device_, static_cast<int>(plan_.wavelengths_nm.size()));
-    const SkyTable sky = make_sky_table(light_, transfer_, waves);
+    const SkyTable sky = make_sky_table(light_, sight_->transfer(), waves);
     const std::size_t middle = light_.air.size() / 2;
     if (sun_.shines) report_.sun_optical_depth = optical_depth(light_.towards_sun[middle], light_.air[middle]);
     measure_bias(sky, waves);
     SkyPicture picture(plan_);
     if (plan_.per_pixel) shade_per_pixel(picture);
     else shade_from_table(sky, picture);
-    picture.describe(view(), transfer_);
+    picture.describe(view(), sight_->transfer());
     report_.noise_rms = picture.noise_rms();
     image_ = picture.take();
     report_.gather_seconds = seconds_since(begin) - (device_->compile_seconds() - compiled_before);
@@ -186,8 +124,9 @@ class Renderer {
 
   void shade_per_pixel(SkyPicture &picture) {
     report_.spp = plan_.spp;
-    shade_with_own_rays(*rays_, light_, view(), plan_, picture, [&](double done) { progress("picture", done); });
-    report_.trace = rays_->stats();
+    shade_with_own_rays(sight_->rays(), light_, view(), plan_, picture,
+                        [&](double done) { progress("picture", done); });
+    report_.trace = sight_->rays().stats();
     report_.lookup_arcsec = report_.bias = 0;
   }
 
@@ -240,15 +179,16 @@ class Renderer {
 
   /// Relative RMS error of radiance (Sun and glow) that interpolating the table half way causes.
   void measure_bias(const SkyTable &sky, int waves) {
-    TransferTable between = transfer_;
-    between.entries = probes_.below.size();
-    between.rays = probes_.rays;
+    TransferTable between = sight_->transfer();
+    between.entries = sight_->probes().below.size();
+    between.rays = sight_->probes().rays;
     const SkyTable truth = make_sky_table(light_, between, waves);
     const auto n = static_cast<std::size_t>(waves), entry = n * f32::SKY_CHANNEL_COUNT;
     double error = 0, light = 0;
     for (std::size_t k = 0; k < between.entries; ++k)
       for (std::size_t w = 0; w < light_.air.size(); ++w) {
-        const float *a = &sky.values[probes_.below[k] * entry + w], *b = a + entry, *t = &truth.values[k * entry + w];
+        const float *a = &sky.values[sight_->probes().below[k] * entry + w], *b = a + entry,
+                    *t = &truth.values[k * entry + w];
         if (a[f32::SKY_JOINED * n] < 1.0f) continue;
         for (std::size_t c : {f32::SKY_SUN * n, f32::SKY_GLOW * n}) {
           const double difference = 0.5 * (static_cast<double>(a[c]) + b[c]) - t[c];
@@ -263,17 +203,11 @@ class Renderer {
   const RenderPlan &plan_;
   const RenderOptions &options_;
   std::shared_ptr<Device> device_;
-  Profile profile_;
-  bool flat_;
-  IndexTable reference_;
-  std::optional<SkyRays> rays_;
+  std::shared_ptr<SkySight> sight_;
   SunPlace sun_;
-  TransferTable transfer_;
-  TransferProbes probes_;
   SkyLight light_;
   SpectralImage image_;
   RenderReport report_;
-  double compiled_while_tracing_ = 0;
 };
 
 }  // namespace

@@ -13,6 +13,8 @@
 
 namespace greenray {
 
+struct SkySightCache;
+
 struct RenderOptions {
   std::uint64_t seed = 1;
   bool straight = false;                   // no bending, for comparison
@@ -23,6 +25,7 @@ struct RenderOptions {
   std::optional<int> spp;  // these three override tracing.quality; the first one reached stops
   std::optional<double> error_pct, minutes;
   std::function<void(const std::string &phase, double fraction, double noise)> progress;
+  SkySightCache *cache = nullptr;  // rays of sight of the picture before, for this one if it has the same
 };
 
 /// One decision of the planner: what was chosen, why, and what the choice costs in accuracy.
@@ -40,7 +43,9 @@ struct RenderPlan {
   std::vector<double> bent_nm;         // that have rays of their own: all, or one whose rays serve all
   Precision precision = Precision::single_;
   RayMethod method = RayMethod::cells;
-  bool per_pixel = false;  // rays for every sample instead of a transfer table
+  bool section = false;              // the air varies along the surface: adaptive steps
+  double azimuth_from_path_rad = 0;  // of the picture's middle, clockwise from the direction of x
+  bool per_pixel = false;            // rays for every sample instead of a transfer table
   double pixel_arcsec = 0;
   double first_elevation_deg = 0, spacing_arcsec = 0;
   std::size_t entries = 0;  // of the evenly spaced table that pixels look up

@@ -50,6 +50,7 @@ nlohmann::json plan_json(const RenderPlan &plan) {
           {"wavelengths_nm", plan.wavelengths_nm},
           {"precision", plan.precision == Precision::double_ ? "double" : "float"},
           {"method", method_name(plan.method)},
+          {"varies_along_surface", plan.section},
           {"bent_nm", plan.bent_nm},
           {"pixel_arcsec", plan.pixel_arcsec},
           {"transfer_entries", plan.entries},

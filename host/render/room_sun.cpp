@@ -44,13 +44,12 @@ struct Rays {
 };
 
 /// Apparent altitude [rad] of the disk's centre; refused where it is not in the sky.
-double apparent_rad(const LightScene &light, const IndexTable &table, const std::optional<double> &horizon) {
+double apparent_rad(const LightScene &light, const HostRay &ray, const std::optional<double> &horizon) {
   const double given = to_rad(light.altitude_deg);
-  const std::optional<double> seen =
-      light.apparent ? given : apparent_altitude_rad(table, light.site_height_m, given, horizon);
-  if (seen && trace_on_host(table, 0, light.site_height_m, *seen).outcome == f64::RAY_SPACE) return *seen;
+  const std::optional<double> seen = light.apparent ? given : apparent_altitude_rad(ray, given, horizon);
+  if (seen && ray(*seen).outcome == f64::RAY_SPACE) return *seen;
   const double lowest = horizon.value_or(-pi / 2);
-  const double bending = light.apparent ? 0 : trace_on_host(table, 0, light.site_height_m, lowest).bending_rad;
+  const double bending = light.apparent ? 0 : ray(lowest).bending_rad;
   refuse_altitude(light, "the Sun is not in the sky there; expected an altitude above the horizon's, " +
                              degrees(to_deg(lowest - bending)));
 }
@@ -60,10 +59,12 @@ double apparent_rad(const LightScene &light, const IndexTable &table, const std:
 RoomSun sun_through_air(const RoomScene &scene, const LightScene &light, const std::vector<double> &wavelength_nm) {
   const Scene sky = sky_above(scene, light);
   const Profile profile(sky.atmosphere.profile);
-  const IndexTable table = reference_table(sky, profile);
-  const std::optional<double> horizon = horizon_rad(table, light.site_height_m);
+  const bool flat = sky.atmosphere.surface == Surface::flat;
+  const IndexTable table = build_index_table(profile, {550}, {flat, 1e-5, light.site_height_m});
+  const HostRay ray_at = host_ray(table, 0, light.site_height_m);
+  const std::optional<double> horizon = horizon_rad(ray_at);
   const Rays rays{table, light.site_height_m, {ozone_peak_m, ozone_width_m, sky.atmosphere.aerosol_scale_height_m}};
-  const double seen = apparent_rad(light, table, horizon);
+  const double seen = apparent_rad(light, ray_at, horizon);
   const Transfer centre = rays.trace(seen);
   const std::vector<SpectralAir> airs = spectral_air(sky, wavelength_nm);
   RoomSun sun;
@@ -78,7 +79,7 @@ RoomSun sun_through_air(const RoomScene &scene, const LightScene &light, const s
   for (int i = 1; i <= slices; ++i) {
     const double angle = pi * i / (slices + 1), share = 2 * std::pow(std::sin(angle), 2) / (slices + 1);
     const double altitude = std::min(centre.true_altitude_rad + radius * std::cos(angle), pi / 2);
-    const auto at = apparent_altitude_rad(table, light.site_height_m, altitude, horizon);
+    const auto at = apparent_altitude_rad(ray_at, altitude, horizon);
     if (!at) continue;
     const Transfer ray = rays.trace(*at);
     for (std::size_t w = 0; w < airs.size(); ++w)

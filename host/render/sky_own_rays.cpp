@@ -29,16 +29,19 @@ RowOfSight row_of_sight(const f32::SkyView &v, int sample) {
 
 void add_sample(SkyRays &rays, const SkyLight &light, const f32::SkyView &v, int sample, RowSums &sums) {
   const RowOfSight row = row_of_sight(v, sample);
-  TransferTable own = trace_elevations(rays, row.elevations_rad);
+  std::vector<double> azimuths(row.azimuths_rad.begin(), row.azimuths_rad.end());
+  azimuths.push_back(azimuths.back());
+  TransferTable own = trace_directions(rays, row.elevations_rad, azimuths);
   own.rays = for_all_wavelengths(own.rays, own.wavelengths, light.air.size());
   own.wavelengths = light.air.size();
   const int waves = static_cast<int>(light.air.size());
   const SkyTable sky = make_sky_table(light, own, waves);
   for (int column = 0; column < v.width; ++column) {
+    const float half_azimuth = f32::sine_half_from_sun(&v, row.azimuths_rad[static_cast<std::size_t>(column)]);
     float band = 0;
     for (int w = 0; w < waves; ++w) {
-      const float radiance = f32::sky_radiance(&v, sky.values.data(), sky.limb.data(), waves, w, column, 0,
-                                               row.azimuths_rad[static_cast<std::size_t>(column)]);
+      const float radiance =
+          f32::sky_radiance(&v, sky.values.data(), sky.limb.data(), waves, w, column, 0, half_azimuth);
       sums.spectra[static_cast<std::size_t>(column * waves + w)] += radiance;
       band += radiance;
     }

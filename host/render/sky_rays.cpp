@@ -5,8 +5,10 @@
 #include <optional>
 
 #include "compute/layer_tracer.hpp"
+#include "render/host_rays.hpp"
 #include "render/launch.hpp"
 #include "render/renderer.hpp"
+#include "render/section_rays.hpp"
 #include "support/angle.hpp"
 
 namespace greenray {
@@ -27,6 +29,18 @@ struct SkyRays::State {
       layer_tracer.emplace(device, merged, options.precision, stop_if_asked);
       return;
     }
+    step_tracer.emplace(device, table, stepping());
+  }
+
+  State(const AirSection &air, const std::vector<double> &wavelengths_nm, const SkyRayOptions &o,
+        std::shared_ptr<Device> d)
+      : options(o), device(std::move(d)) {
+    section = build_section_table(section_medium(air, options.flat), wavelengths_nm,
+                                  {options.error_arcsec, options.height_m});
+    section_tracer.emplace(device, *section, stepping());
+  }
+
+  TraceOptions stepping() const {
     TraceOptions trace;
     trace.precision = options.precision;
     trace.integrator = options.method == RayMethod::richardson ? Integrator::richardson : Integrator::dormand_prince;
@@ -35,11 +49,12 @@ struct SkyRays::State {
     trace.absorbers = {0, options.absorbers.ozone_peak_m, options.absorbers.ozone_width_m,
                        options.absorbers.aerosol_scale_m};
     trace.between_batches = stop_if_asked;
-    step_tracer.emplace(device, table, trace);
+    return trace;
   }
 
   double index_error_arcsec() const {
-    return options.method == RayMethod::cells ? std::max(options.error_arcsec / 30, 1e-9) : options.error_arcsec;
+    return options.method == RayMethod::cells && !section ? std::max(options.error_arcsec / 30, 1e-9)
+                                                          : options.error_arcsec;
   }
 
   const LayerTable &layers() {
@@ -57,14 +72,39 @@ struct SkyRays::State {
   LayerTable layer_table;
   std::optional<LayerTracer> layer_tracer;
   std::optional<RayTracer> step_tracer;
+  std::optional<SectionTable> section;
+  std::optional<SectionTracer> section_tracer;
 };
 
 SkyRays::SkyRays(const Profile &profile, const std::vector<double> &wavelengths_nm, const SkyRayOptions &options,
                  std::shared_ptr<Device> device)
     : state_(std::make_unique<State>(profile, wavelengths_nm, options, std::move(device))) {}
+SkyRays::SkyRays(const AirSection &air, const std::vector<double> &wavelengths_nm, const SkyRayOptions &options,
+                 std::shared_ptr<Device> device)
+    : state_(std::make_unique<State>(air, wavelengths_nm, options, std::move(device))) {}
 SkyRays::~SkyRays() = default;
 
+std::vector<f64::RayEnd> SkyRays::trace(std::span<const double> elevations_rad, std::span<const double> azimuths_rad,
+                                        std::vector<double> *sideways_rad) {
+  if (!varies()) return trace(elevations_rad);
+  const SectionTable &section = *state_->section;
+  std::vector<f64_section::RayStart> starts;
+  starts.reserve(elevations_rad.size() * section.wavelength_nm.size());
+  for (std::size_t i = 0; i < elevations_rad.size(); ++i)
+    for (std::size_t row = 0; row < section.wavelength_nm.size(); ++row)
+      starts.push_back(
+          launch(section, row, {options().place_m, options().height_m}, elevations_rad[i], azimuths_rad[i]));
+  std::vector<f64::RayEnd> ends;
+  ends.reserve(starts.size());
+  for (const f64_section::RayEnd &end : state_->section_tracer->trace(starts)) {
+    ends.push_back(plain(end, section));
+    if (sideways_rad) sideways_rad->push_back(end.sideways_rad);
+  }
+  return ends;
+}
+
 std::vector<f64::RayEnd> SkyRays::trace(std::span<const double> elevations_rad) {
+  if (varies()) return trace(elevations_rad, std::vector<double>(elevations_rad.size(), options().azimuth_rad));
   if (state_->layer_tracer) return state_->layer_tracer->trace(elevations_rad);
   std::vector<f64::RayStart> starts;
   starts.reserve(elevations_rad.size() * table().wavelength_nm.size());
@@ -75,12 +115,30 @@ std::vector<f64::RayEnd> SkyRays::trace(std::span<const double> elevations_rad) 
 }
 
 const LayerTable &SkyRays::layers() { return state_->layers(); }
+HostRay SkyRays::on_host(std::size_t row) const {
+  if (varies()) return host_ray(*state_->section, row, {options().place_m, options().height_m}, options().azimuth_rad);
+  return [this, row](double e) { return trace_on_host(table(), row, options().height_m, e); };
+}
+
 const IndexTable &SkyRays::table() const { return state_->table; }
+const SectionTable &SkyRays::section() const { return *state_->section; }
+bool SkyRays::varies() const { return state_->section.has_value(); }
+const std::vector<double> &SkyRays::wavelengths_nm() const {
+  return varies() ? state_->section->wavelength_nm : state_->table.wavelength_nm;
+}
+double SkyRays::curvature_per_m() const {
+  return varies() ? state_->section->curvature_per_m : state_->table.curvature_per_m;
+}
+double SkyRays::table_bound_arcsec() const {
+  return varies() ? state_->section->bound_arcsec : state_->table.bound_arcsec;
+}
 std::size_t SkyRays::cells() const {
+  if (varies()) return state_->section->cells.size();
   if (!state_->layer_tracer) return state_->table.cells_per_row;
   return state_->layer_table.above.front().layers.size() + state_->layer_table.below.front().layers.size();
 }
 const TraceStats &SkyRays::stats() const {
+  if (varies()) return state_->section_tracer->stats();
   return state_->layer_tracer ? state_->layer_tracer->stats() : state_->step_tracer->stats();
 }
 bool SkyRays::table_in_image() const { return state_->step_tracer && state_->step_tracer->uses_image(); }

@@ -7,10 +7,11 @@
 
 #include "atmosphere/layer_table.hpp"
 #include "compute/ray_tracer.hpp"
+#include "compute/section_tracer.hpp"
 
 namespace greenray {
 
-/// cells: layers in closed form.
+/// cells: layers in closed form. The others step.
 enum class RayMethod { cells, dormand_prince, richardson };
 const char *method_name(RayMethod method);  // "cells", "rk", "richardson"
 
@@ -23,21 +24,40 @@ struct SkyRayOptions {
   double step_rad = 1e-9;       // stepping methods: local error of direction per step
   int max_steps = 20000;
   LayerAbsorbers absorbers;
+  double place_m = 0;      // of air that varies along the surface: x of the eye,
+  double azimuth_rad = 0;  // and where it looks, clockwise from the direction of x
 };
 
 class SkyRays {
  public:
   SkyRays(const Profile &profile, const std::vector<double> &wavelengths_nm, const SkyRayOptions &options,
           std::shared_ptr<Device> device);
+  /// Through air that varies along the surface, or is treated as if it did. Only stepping methods.
+  SkyRays(const AirSection &air, const std::vector<double> &wavelengths_nm, const SkyRayOptions &options,
+          std::shared_ptr<Device> device);
   ~SkyRays();
 
   /// [elevations][wavelengths]. Elevations [rad] above the eye's horizontal.
   std::vector<f64::RayEnd> trace(std::span<const double> elevations_rad);
 
-  /// The medium in layers for this eye, none merged; made when first asked for.
+  /// The same at azimuths of their own, [directions][wavelengths]; how far each was turned out of its vertical plane is
+  /// added to sideways_rad where that is given. Elsewhere than in air that varies along the surface, azimuths tell
+  /// nothing.
+  std::vector<f64::RayEnd> trace(std::span<const double> elevations_rad, std::span<const double> azimuths_rad,
+                                 std::vector<double> *sideways_rad = nullptr);
+
+  bool varies() const;  // along the surface: by the second constructor
+  const std::vector<double> &wavelengths_nm() const;
+  double curvature_per_m() const;
+  double table_bound_arcsec() const;
+
+  /// The medium in layers for this eye, none merged; made when first asked for. Not of air that varies.
   const LayerTable &layers();
 
-  const IndexTable &table() const;    // the one the method reads
+  const IndexTable &table() const;      // the one the method reads; of air that varies:
+  const SectionTable &section() const;  // this one
+  /// The same rays in double on the host, through the same table. Valid as long as this.
+  std::function<f64::RayEnd(double elevation_rad)> on_host(std::size_t row) const;
   double index_error_arcsec() const;  // that `table` was asked for
   std::size_t cells() const;          // of that table, or layers, per wavelength
   const TraceStats &stats() const;

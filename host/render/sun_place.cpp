@@ -11,27 +11,45 @@ namespace greenray {
 
 static constexpr double altitude_nm = 550;  // at which altitudes of Sun and horizon are given
 
+static void make_dry(ProfileSpec &spec) {
+  for (Level &level : spec.levels) level.relative_humidity.reset();
+  for (Station &station : spec.stations) {
+    auto air = std::make_shared<ProfileSpec>(*station.air);
+    make_dry(*air);
+    station.air = std::move(air);
+  }
+}
+
 ProfileSpec spec_for(const Scene &scene, const RenderOptions &options) {
   ProfileSpec spec = scene.atmosphere.profile;
   if (options.straight) spec.exaggerate = 0;
-  if (!scene.atmosphere.humidity)
-    for (Level &level : spec.levels) level.relative_humidity.reset();
+  if (!scene.atmosphere.humidity) make_dry(spec);
   return spec;
 }
 
-IndexTable reference_table(const Scene &scene, const Profile &profile) {
-  return build_index_table(profile, {altitude_nm},
-                           {scene.atmosphere.surface == Surface::flat, 1e-5, scene.observer.height_m});
+double azimuth_from_path_rad(const Scene &scene) {
+  const std::optional<double> path_deg = scene.atmosphere.profile.azimuth_deg;
+  return path_deg ? to_rad(scene.observer.azimuth_deg - *path_deg) : 0;
+}
+
+HostRay reference_ray(const Scene &scene, const AirSection &air) {
+  const bool flat = scene.atmosphere.surface == Surface::flat;
+  const double height_m = scene.observer.height_m;
+  if (!varies_along_surface(air.spec()))
+    return host_ray(build_index_table(air.at(0), {altitude_nm}, {flat, 1e-5, height_m}), 0, height_m);
+  SectionTable table =
+      build_section_table(section_medium(air, flat), {altitude_nm}, {scene.tracing.table_arcsec, height_m});
+  return host_ray(std::move(table), 0, {0, height_m}, azimuth_from_path_rad(scene));
 }
 
 /// True altitude of the point of the Sun that the scene names: given, or along the ray at 550 nm from its apparent
 /// place.
-static double true_altitude_rad(const Scene &scene, const IndexTable &reference) {
+static double true_altitude_rad(const Scene &scene, const HostRay &reference) {
   const double given = to_rad(scene.sun.altitude_deg);
   if (scene.sun.given != SunScene::Given::apparent_altitude) return given;
-  const f64::RayEnd end = trace_on_host(reference, 0, scene.observer.height_m, given);
+  const f64::RayEnd end = reference(given);
   if (end.outcome == f64::RAY_SPACE) return given - end.bending_rad;
-  const double horizon_deg = to_deg(horizon_rad(reference, scene.observer.height_m).value_or(0));
+  const double horizon_deg = to_deg(horizon_rad(reference).value_or(0));
   throw InputError(
       scene.sun.altitude_place,
       "sun.apparent_altitude_deg = " + plain_number(scene.sun.altitude_deg) + ": light from there comes from the " +
@@ -40,7 +58,7 @@ static double true_altitude_rad(const Scene &scene, const IndexTable &reference)
           plain_number(horizon_deg) + " deg at 550 nm)");
 }
 
-SunPlace place_of_sun(const Scene &scene, const IndexTable &reference) {
+SunPlace place_of_sun(const Scene &scene, const HostRay &reference) {
   const SunScene &sun = scene.sun;
   SunPlace place;
   place.radius_rad = to_rad(sun.diameter_arcmin / 60) / 2;
@@ -58,7 +76,7 @@ SunPlace place_of_sun(const Scene &scene, const IndexTable &reference) {
 
 void require_sun_in_sky(const Scene &scene, const RenderOptions &options) {
   if (scene.sun.given == SunScene::Given::apparent_altitude)
-    (void)true_altitude_rad(scene, reference_table(scene, Profile(spec_for(scene, options))));
+    (void)true_altitude_rad(scene, reference_ray(scene, AirSection(spec_for(scene, options))));
 }
 
 }  // namespace greenray

@@ -1,6 +1,6 @@
 // Where the Sun of a scene stands, outside the air.
 #pragma once
-#include "atmosphere/index_table.hpp"
+#include "render/host_rays.hpp"
 #include "render/renderer.hpp"
 #include "render/sky.hpp"
 
@@ -9,10 +9,14 @@ namespace greenray {
 /// The air that is traced: the scene's, without bending or humidity where asked.
 ProfileSpec spec_for(const Scene &scene, const RenderOptions &options);
 
-/// A fine table at 550 nm, the wavelength at which altitudes of Sun and horizon are given.
-IndexTable reference_table(const Scene &scene, const Profile &profile);
+/// Where the eye looks, clockwise from the direction of x [rad]: from the profile's azimuth_deg to the middle of the
+/// picture; 0 for a profile that names no direction, whose path then runs where the eye looks.
+double azimuth_from_path_rad(const Scene &scene);
+
+/// Rays of the eye through a fine table at 550 nm, the wavelength at which altitudes of Sun and horizon are given.
+HostRay reference_ray(const Scene &scene, const AirSection &air);
 
 /// Throws InputError at the key when an apparent altitude is not in the sky.
-SunPlace place_of_sun(const Scene &scene, const IndexTable &reference);
+SunPlace place_of_sun(const Scene &scene, const HostRay &reference);
 
 }  // namespace greenray

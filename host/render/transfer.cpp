@@ -19,13 +19,20 @@ Transfer transfer_of(const f64::RayEnd &end, double elevation_rad, double curvat
 }
 
 TransferTable trace_elevations(SkyRays &rays, const std::vector<double> &elevations_rad) {
+  return trace_directions(rays, elevations_rad, std::vector<double>(elevations_rad.size(), 0.0));
+}
+
+TransferTable trace_directions(SkyRays &rays, const std::vector<double> &elevations_rad,
+                               const std::vector<double> &azimuths_rad) {
   TransferTable table;
   table.entries = elevations_rad.size();
-  table.wavelengths = rays.table().wavelength_nm.size();
-  const std::vector<f64::RayEnd> ends = rays.trace(elevations_rad);
+  table.wavelengths = rays.wavelengths_nm().size();
+  std::vector<double> from_path;
+  for (double azimuth : azimuths_rad) from_path.push_back(rays.options().azimuth_rad + azimuth);
+  const std::vector<f64::RayEnd> ends = rays.trace(elevations_rad, from_path);
   table.rays.reserve(ends.size());
   for (std::size_t i = 0; i < ends.size(); ++i)
-    table.rays.push_back(transfer_of(ends[i], elevations_rad[i / table.wavelengths], rays.table().curvature_per_m));
+    table.rays.push_back(transfer_of(ends[i], elevations_rad[i / table.wavelengths], rays.curvature_per_m()));
   return table;
 }
 

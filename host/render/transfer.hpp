@@ -42,6 +42,9 @@ std::vector<Value> for_all_wavelengths(const std::vector<Value> &values, std::si
 
 /// Every wavelength at the elevations given, unevenly spaced (first_elevation_rad and spacing_rad are left 0).
 TransferTable trace_elevations(SkyRays &rays, const std::vector<double> &elevations_rad);
+/// The same, each at its own azimuth, clockwise from where the eye of `rays` looks.
+TransferTable trace_directions(SkyRays &rays, const std::vector<double> &elevations_rad,
+                               const std::vector<double> &azimuths_rad);
 
 /// The entries half way between those of `table`, at most `probes` of them, evenly chosen; `below` says after which
 /// entry.

@@ -39,8 +39,9 @@ double misfit(const Transfer &a, const Transfer &middle, const Transfer &b, doub
 class CurveTracer {
  public:
   CurveTracer(SkyRays &rays, double tolerance_arcsec)
-      : rays_(rays), waves_(rays.table().wavelength_nm.size()), tolerance_rad_(from_arcsec(tolerance_arcsec)) {
-    for (std::size_t w = 0; w < waves_; ++w) breaks_.push_back(breaks_rad(rays.layers(), w));
+      : rays_(rays), waves_(rays.wavelengths_nm().size()), tolerance_rad_(from_arcsec(tolerance_arcsec)) {
+    for (std::size_t w = 0; w < waves_; ++w)
+      breaks_.push_back(rays.varies() ? std::vector<double>{} : breaks_rad(rays.layers(), w));
   }
 
   TransferCurve trace(double low_rad, double high_rad) {
@@ -55,7 +56,8 @@ class CurveTracer {
  private:
   /// Evenly spaced ones, those that turn at the edges of layers, and both sides of every break.
   std::vector<double> first_elevations(double low_rad, double high_rad) {
-    std::vector<double> all = turning_knots_rad(rays_.layers(), 0);
+    std::vector<double> all;
+    if (!rays_.varies()) all = turning_knots_rad(rays_.layers(), 0);
     constexpr int pieces = 64;
     for (int i = 0; i <= pieces; ++i) all.push_back(low_rad + (high_rad - low_rad) * i / pieces);
     std::sort(all.begin(), all.end());
@@ -83,7 +85,7 @@ class CurveTracer {
     for (std::size_t i = 0; i < elevations.size(); ++i) {
       Entry entry{elevations[i], {}};
       for (std::size_t w = 0; w < waves_; ++w)
-        entry.rays.push_back(transfer_of(ends[i * waves_ + w], elevations[i], rays_.table().curvature_per_m));
+        entry.rays.push_back(transfer_of(ends[i * waves_ + w], elevations[i], rays_.curvature_per_m()));
       entries_.push_back(std::move(entry));
     }
   }
@@ -123,6 +125,15 @@ class CurveTracer {
     return next;
   }
 
+  /// Where breaks are not known beforehand (air that varies along the surface), halving has closed in on them: a narrow
+  /// interval across which the true altitude still leaps.
+  bool torn(std::size_t i, std::size_t wave) const {
+    if (!rays_.varies()) return false;
+    const double width = elevation(i + 1) - elevation(i);
+    const double leap = entries_[i + 1].rays[wave].bending_rad - entries_[i].rays[wave].bending_rad;
+    return width <= 2 * narrowest_rad && std::abs(leap) > std::max(tolerance_rad_, 1e3 * width);
+  }
+
   double elevation(std::size_t entry) const { return entries_[entry].elevation_rad; }
 
   TransferCurve curve() {
@@ -130,14 +141,14 @@ class CurveTracer {
               [](const Entry &a, const Entry &b) { return a.elevation_rad < b.elevation_rad; });
     TransferCurve result;
     result.height_m = rays_.options().height_m;
-    result.wavelength_nm = rays_.table().wavelength_nm;
+    result.wavelength_nm = rays_.wavelengths_nm();
     result.interpolation_arcsec = to_arcsec(worst_ * tolerance_rad_);
     result.rays_traced = rays_traced_;
     for (std::size_t i = 0; i < entries_.size(); ++i) {
       result.elevation_rad.push_back(elevation(i));
       for (std::size_t w = 0; w < waves_; ++w) {
         const bool last = i + 1 == entries_.size();
-        result.joined_to_next.push_back(!last && !broken({i, i + 1}, w) &&
+        result.joined_to_next.push_back(!last && !broken({i, i + 1}, w) && !torn(i, w) &&
                                         entries_[i].rays[w].outcome == entries_[i + 1].rays[w].outcome);
         result.rays.push_back(entries_[i].rays[w]);
       }

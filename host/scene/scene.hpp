@@ -41,6 +41,7 @@ struct SunScene {
   SourcePlace altitude_place;
   std::optional<double> azimuth_deg;  // default: the observer's
   double diameter_arcmin = 31.9877;   // 2 x 959.63"
+  bool by_date = false;               // keys `when` and `place` gave altitude, azimuth and diameter
   bool limb_darkening = true;
 };
 

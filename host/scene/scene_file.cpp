@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <stdexcept>
 
 #include "atmosphere/profile_file.hpp"
 #include "scene/absorbers_file.hpp"
+#include "scene/ephemeris.hpp"
 #include "support/embedded.hpp"
 #include "support/toml_reader.hpp"
 
@@ -63,21 +65,55 @@ void read_observer(const TomlTable &table, ObserverScene &observer) {
   observer.resolution = {static_cast<int>(size[0]), static_cast<int>(size[1])};
 }
 
-void read_sun(const TomlTable &table, SunScene &sun) {
+/// when, after_s, place, ut1_utc_s: altitude, azimuth and diameter of that moment.
+void read_sun_by_date(const TomlTable &table, double observer_height_m, SunScene &sun) {
+  UtcTime when;
+  double after_s = 0, ut1_utc_s = 0;
+  EarthPlace place;
+  const TomlTable where = table.table("place");
+  bool right = table.require("when", "a date and time, such as 2024-06-21T20:31:05Z") && table.read("when", when);
+  right = table.require("place", "{ latitude_deg = .., longitude_deg = .. }") && right;
+  if (where.exists()) {
+    right = where.require("latitude_deg", "a number from -90 to 90 deg") && right;
+    right = where.require("longitude_deg", "a number from -180 to 360 deg, east positive") && right;
+    where.read("latitude_deg", place.latitude_deg, {-90, 90, "deg"});
+    where.read("longitude_deg", place.longitude_deg, {-180, 360, "deg"});
+  }
+  table.read("after_s", after_s, {-1e9, 1e9, "s"});
+  table.read("ut1_utc_s", ut1_utc_s, {-1, 1, "s"});
+  if (!right) return;
+  place.height_m = observer_height_m;
+  try {
+    const SunSeen seen = sun_seen(when, after_s, place, ut1_utc_s);
+    sun.given = SunScene::Given::true_altitude;
+    sun.altitude_deg = seen.altitude_deg;
+    sun.azimuth_deg = seen.azimuth_deg;
+    sun.diameter_arcmin = seen.diameter_arcmin;
+    sun.by_date = true;
+  } catch (const std::domain_error &error) {
+    table.complain("when", error.what());
+  }
+}
+
+void read_sun(const TomlTable &table, double observer_height_m, SunScene &sun) {
   const Limits altitude{-90, 90, "deg"};
-  const bool by_date = table.has("when") | table.has("place");
-  if (by_date)
-    table.complain(table.has("when") ? "when" : "place",
-                   "sun by date and place is not built yet: give altitude_deg or apparent_altitude_deg");
+  const bool has_true = table.has("altitude_deg"), has_apparent = table.has("apparent_altitude_deg");
+  const bool has_date = table.has("when");
+  if (has_true + has_apparent + has_date > 1)
+    table.complain(has_date ? "when" : "apparent_altitude_deg",
+                   "expected one of altitude_deg, apparent_altitude_deg and when, found more");
+  if (has_date) read_sun_by_date(table, observer_height_m, sun);
+  bool left_over = false;  // keys of a date without one; no harm where -D gives an altitude instead
+  for (const char *key : {"place", "after_s", "ut1_utc_s"})
+    if (table.has(key) && !has_date && !has_true && !has_apparent && !left_over) {
+      left_over = true;
+      table.complain(key, "expected `when` beside it: a date and time, such as 2024-06-21T20:31:05Z");
+    }
   if (table.read("altitude_deg", sun.altitude_deg, altitude)) sun.given = SunScene::Given::true_altitude;
   if (table.read("apparent_altitude_deg", sun.altitude_deg, altitude)) sun.given = SunScene::Given::apparent_altitude;
-  sun.altitude_place =
-      table.place(sun.given == SunScene::Given::apparent_altitude ? "apparent_altitude_deg" : "altitude_deg");
-  const bool has_true = table.has("altitude_deg"), has_apparent = table.has("apparent_altitude_deg");
-  if (has_true && has_apparent)
-    table.complain("apparent_altitude_deg", "expected either altitude_deg or apparent_altitude_deg, found both");
-  if (table.exists() && !by_date && !has_true && !has_apparent)
-    table.require("altitude_deg", altitude.text() + " (true), or apparent_altitude_deg (as seen)");
+  sun.altitude_place = table.place(has_date ? "when" : has_apparent ? "apparent_altitude_deg" : "altitude_deg");
+  if (table.exists() && !has_date && !has_true && !has_apparent && !left_over)
+    table.require("altitude_deg", altitude.text() + " (true), or apparent_altitude_deg (as seen), or when and place");
   table.read_word("at", sun.part,
                   {{"centre", SunScene::Part::centre},
                    {"upper-limb", SunScene::Part::upper_limb},
@@ -164,6 +200,8 @@ Scene parse_scene(const std::string &file, std::string_view text, const std::vec
   TomlDocument document(file, text);
   for (const std::string &assignment : overrides) document.override_with(assignment);
   document.prefer_overridden("sun", "altitude_deg", "apparent_altitude_deg");
+  for (const char *altitude : {"altitude_deg", "apparent_altitude_deg"})
+    document.prefer_overridden("sun", altitude, "when");
   document.prefer_overridden("atmosphere.aerosol", "visibility_km", "turbidity");
   const TomlTable root = document.root();
   refuse_geometry(root);
@@ -176,7 +214,9 @@ Scene parse_scene(const std::string &file, std::string_view text, const std::vec
   read_header(root, scene);
   read_atmosphere(document, root.table("atmosphere"), fs::path(file).parent_path().string(), scene.atmosphere);
   read_observer(root.table("observer"), scene.observer);
-  read_sun(root.table("sun"), scene.sun);
+  read_sun(root.table("sun"), scene.observer.height_m, scene.sun);
+  if (scene.sun.by_date && !root.table("observer").has("azimuth_deg"))
+    scene.observer.azimuth_deg = *scene.sun.azimuth_deg;
   const TomlTable sky = root.table("sky");
   sky.read_word("model", scene.sky.model, {{"plain", SkyScene::Model::plain}, {"academic", SkyScene::Model::academic}});
   sky.read("sea_reflectance", scene.sky.sea_reflectance, {0, 1});

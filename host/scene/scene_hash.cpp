@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <cstdio>
 
+#include "atmosphere/air_section.hpp"
 #include "scene/scene_file.hpp"
 #include "support/toml_reader.hpp"
 
@@ -68,6 +69,13 @@ void add(Fingerprint &print, const ProfileSpec &profile) {
   for (const IndexLevel &level : profile.index_levels) {
     print.add("index_level.height_m", level.height_m);
     print.add("index_level.refractivity", level.refractivity);
+  }
+  if (!has_places(profile)) return;
+  print.add_choice("profile.along_surface", profile.along_surface);
+  print.add("profile.azimuth_deg", profile.azimuth_deg);
+  for (const Station &station : profile.stations) {
+    print.add("station.x_m", station.x_m);
+    add(print, *station.air);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 
 namespace greenray {
@@ -138,6 +139,32 @@ bool TomlTable::read(const std::string &key, std::string &into) const {
   if (!node) return false;
   if (!node->is_string()) return wrong(key, *node, "text in quotes"), false;
   into = node->as_string()->get();
+  return true;
+}
+
+/// Seconds are left alone: a leap second is one anywhere.
+static UtcTime in_utc(const toml::date_time &local) {
+  using namespace std::chrono;
+  const year_month_day date{year{local.date.year}, month{local.date.month}, day{local.date.day}};
+  const auto moment = sys_days{date} + hours{local.time.hour} + minutes{local.time.minute - local.offset->minutes};
+  const sys_days midnight = floor<days>(moment);
+  const year_month_day utc{midnight};
+  const auto minute = static_cast<int>(duration_cast<minutes>(moment - midnight).count());
+  return {static_cast<int>(utc.year()),
+          static_cast<int>(static_cast<unsigned>(utc.month())),
+          static_cast<int>(static_cast<unsigned>(utc.day())),
+          minute / 60,
+          minute % 60,
+          local.time.second + 1e-9 * local.time.nanosecond};
+}
+
+bool TomlTable::read(const std::string &key, UtcTime &into) const {
+  const toml::node *node = find(key);
+  if (!node) return false;
+  const auto *moment = node->as_date_time();
+  if (!moment || !moment->get().offset)
+    return wrong(key, *node, "a date and time with its offset from UTC, such as 2024-06-21T20:31:05Z"), false;
+  into = in_utc(moment->get());
   return true;
 }
 

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "support/error.hpp"
+#include "support/utc_time.hpp"
 
 namespace greenray {
 
@@ -57,6 +58,8 @@ class TomlTable {
   bool read(const std::string &key, std::optional<int> &into, const Limits &limits) const;
   bool read(const std::string &key, bool &into) const;
   bool read(const std::string &key, std::string &into) const;
+  /// A date, time and offset from UTC, such as 2024-06-21T20:31:05Z; in UTC.
+  bool read(const std::string &key, UtcTime &into) const;
   /// All numbers of an array; wrong elements are complained about one by one.
   bool read(const std::string &key, std::vector<double> &into, const Limits &limits) const;
 

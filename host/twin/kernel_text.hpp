@@ -6,8 +6,6 @@
 #include "shared/layers.h"
 #include "shared/probe.h"
 #include "shared/sky.h"
-#define SCALAR_ROOT std::sqrt
-#define SCALAR_SINE std::sin
 #include "sky/sky.h"
 
 #include "ray/closed_form.h"

@@ -8,6 +8,7 @@
 #define LANES 1
 #define TABLE_IS_IMAGE 0
 #define WITH_COLUMNS 1
+#define MEDIUM_VARIES 0
 
 #define REAL_IS_DOUBLE 0
 #define INTEGRATOR_IS_RICHARDSON 0
@@ -37,6 +38,7 @@ namespace greenray::f64_richardson {
 #undef LANES
 #undef TABLE_IS_IMAGE
 #undef WITH_COLUMNS
+#undef MEDIUM_VARIES
 
 namespace greenray {
 static_assert(sizeof(f32::IndexCell) == 48 && sizeof(f64::IndexCell) == 96);

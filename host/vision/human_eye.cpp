@@ -82,20 +82,28 @@ HumanEye::HumanEye(EyeOptions options) : options_(std::move(options)), pigment_(
 
 HumanEye::~HumanEye() = default;
 
-/// Complains about pictures that an eye cannot see, and makes ready what is carried from picture to picture.
-void HumanEye::meet(const PictureFacts &facts) {
+void HumanEye::check(const PictureFacts &facts, const PictureFacts *first) const {
   const SourcePlace place{facts.name, 1, 1};
   if (!facts.absolute)
     throw InputError(place,
                      "this picture does not say its luminance (no whiteLuminance): give --unit CDM2, what RGB (1,1,1) "
                      "or Y = 1 is in cd/m2");
-  if (!options_.carry_state) return pigment_->forget();
-  if (width_ != 0 && (facts.width != width_ || facts.height != height_))
-    throw InputError(place, "expected a picture of " + std::to_string(width_) + "x" + std::to_string(height_) +
-                                " pixels like the first of the sequence, found " + std::to_string(facts.width) + "x" +
-                                std::to_string(facts.height));
-  width_ = facts.width, height_ = facts.height;
-  if (options_.bleaching.exposure != BleachingOptions::Exposure::off) pigment_->keep_pixels(facts.pixels());
+  if (!first || !carries_pigment() || (facts.width == first->width && facts.height == first->height)) return;
+  throw InputError(place, "expected a picture of " + std::to_string(first->width) + "x" +
+                              std::to_string(first->height) + " pixels like the first of the sequence, found " +
+                              std::to_string(facts.width) + "x" + std::to_string(facts.height));
+}
+
+bool HumanEye::carries_pigment() const {
+  return options_.carry_state && options_.bleaching.exposure != BleachingOptions::Exposure::off;
+}
+
+/// Complains about pictures that an eye cannot see, and makes ready what is carried from picture to picture.
+void HumanEye::meet(const PictureFacts &facts) {
+  check(facts, first_ ? &*first_ : nullptr);
+  if (!carries_pigment()) return pigment_->forget();
+  if (!first_) first_ = facts;
+  pigment_->keep_pixels(facts.pixels());
 }
 
 EyeReport HumanEye::develop(PictureSource &picture, PictureSink &sink, const GreenerSinks &greener) {

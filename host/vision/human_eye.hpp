@@ -73,19 +73,23 @@ class HumanEye {
   explicit HumanEye(EyeOptions options);
   ~HumanEye();
 
+  /// What develop() would complain about, as far as that can be told without pixels. first: of the sequence, if any.
+  void check(const PictureFacts &facts, const PictureFacts *first = nullptr) const;
+
   /* One picture to display-linear rows in `sink` (Rec. 709, 0..1). With carry_state the pictures are a sequence, each
-     looked at for options.bleaching.seconds, and must have one size.
+     looked at for options.bleaching.seconds, and must have one size if they bleach.
      Order: glare (optics), acuity, bleaching, rods, tone curve. Deterministic: the same bits for any number of threads
      and whether the picture is kept or read twice. errors: a picture that is not absolute, or of another size than the
      sequence -> InputError; a field of view outside 0..179 degrees -> std::domain_error */
   EyeReport develop(PictureSource &picture, PictureSink &sink, const GreenerSinks &greener = {});
 
  private:
+  bool carries_pigment() const;
   void meet(const PictureFacts &facts);
 
   EyeOptions options_;
   std::unique_ptr<PigmentHistory> pigment_;  // of a sequence
-  int width_ = 0, height_ = 0;               // of a sequence
+  std::optional<PictureFacts> first_;        // of a sequence
 };
 
 }  // namespace greenray::vision

@@ -62,7 +62,8 @@ LightFaults LightConverter::convert(std::vector<float> &raw, std::size_t width, 
     light.assign(5 * count, 0.0F);
     for (std::size_t plane = 0; plane < 5; ++plane)
       for (std::size_t k = 0; k < weights_[plane].size(); ++k)
-        add_weighted(raw.data() + k * count, weights_[plane][k], count, light.data() + plane * count);
+        if (weights_[plane][k] != 0)  // 0 x infinity would be NaN
+          add_weighted(raw.data() + k * count, weights_[plane][k], count, light.data() + plane * count);
   } else {
     light.swap(raw);
   }

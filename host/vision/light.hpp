@@ -11,10 +11,11 @@ namespace greenray::vision {
 
 /// Pixels that were no light, and what became of them.
 struct LightFaults {
-  std::uint64_t not_a_number = 0;  // NaN: the nearest right pixel of the row, left before right; black if there is none
-  std::uint64_t infinite = 0;      // white with the largest finite luminance of the picture
-  std::uint64_t negative = 0;      // luminance below 0: black
-  std::uint64_t too_bright = 0;    // beyond 1e10 cd/m2: scaled down to that
+  std::uint64_t not_a_number =
+      0;  // NaN or -infinite: the nearest valid pixel of the row, the left one first; black if there is none
+  std::uint64_t infinite = 0;    // white with the largest finite luminance of the picture
+  std::uint64_t negative = 0;    // luminance below 0: black
+  std::uint64_t too_bright = 0;  // beyond 1e10 cd/m2: scaled down to that
   std::uint64_t total() const { return not_a_number + infinite + negative + too_bright; }
   void add(const LightFaults &other);
 };

@@ -27,8 +27,8 @@ void PigmentHistory::expose(const Planes &cells, const Plane &luminance, Retina 
     double light = 0, left = 0, disk = 0, disk_cells = 0;
     for (std::size_t i = 0; i < count; ++i) {
       const double td = std::max(0.0, static_cast<double>(response[i] * retina.td_per_lms[k]));
-      light += td;
-      left += td * static_cast<double>(cells_[k][i]);
+      light += td * td;
+      left += td * td * static_cast<double>(cells_[k][i]);
       if (brightest > 0 && luminance.value[i] >= 0.5F * brightest) disk += td, ++disk_cells;
     }
     if (retina.options.pooled && disk_cells > 0) {

@@ -19,8 +19,10 @@ class PigmentHistory {
   /// Of a kind of cone, from pixel `first` on.
   float *pixels(std::size_t cone, std::size_t first) { return pixels_[cone].data() + first; }
 
-  /* Lets the cells bleach under this picture and writes retina.pool, the mean over the light that falls, and, where
-     the disk bleaches as one, retina.shared. colour: planes X, Y, Z of the cells and their luminance. */
+  /* Lets the cells bleach under this picture and writes retina.pool and, where the disk bleaches as one, retina.shared.
+     The pool is what a light-weighted gaze catches: sum of T (u T) over sum of T T, T trolands of a cell. The faint
+     veil around a Sun, wide and unbleached, would rule a mean over the light and turn a white disk blue. colour: planes
+     X, Y, Z of the cells and their luminance. */
   void expose(const Planes &cells, const Plane &luminance, Retina &retina);
 
  private:

@@ -1,6 +1,7 @@
 /* Photon records -> the map: dealt out by chunk, prefix sums, cells and arrays by bucket. */
 #include "lib/language.h"
 
+#include "lib/lane_bits.h"
 #include "lib/lanes.h"
 #include "lib/vec3.h"
 
@@ -11,6 +12,10 @@
 #include "map/grid.h"
 
 #include "map/counting_sort.h"
+
+#include "map/blocks.h"
+
+#include "map/order_cell.h"
 
 #include "map/file_bucket.h"
 
@@ -36,16 +41,16 @@ __kernel void scan_buckets(__global const ChunkOrder *orders, __global int *buck
 __kernel void file_photons(__global const Photon *photons, __global const float *power_W,
                            __global const MovedPhoton *moved, __global const int *starts,
                            __global const int *bucket_start, __global const Filing *filing, __global int *cell_start,
-                           __global int *sub_start, __global float *x_m, __global float *y_m, __global float *z_m,
+                           __global float *boxes, __global float *x_m, __global float *y_m, __global float *z_m,
                            __global uint *normal, __global float *map_power_W, __global uint *order, const int stride,
                            const SortPlan plan, const PhotonGrid grid) {
   const int bucket = (int)get_global_id(0);
   if (bucket >= plan.buckets) return;
-  const FiledArrays map = {cell_start, sub_start, x_m, y_m, z_m, normal, map_power_W, order, stride};
+  const FiledArrays map = {cell_start, boxes, x_m, y_m, z_m, normal, map_power_W, order, stride};
   const int first = bucket_start[bucket], last = bucket_start[bucket + 1];
   sort_bucket(&plan, moved, starts, first, cell_start, order, bucket);
   if (filing->unsorted) sort_cells_by_emission(&plan, photons, moved, cell_start, order, first, bucket);
-  if (last - first >= DENSE) sort_dense_cells(&plan, &map, &grid, moved, first, bucket);
+  if (last - first >= DENSE) order_dense_cells(&plan, &map, moved, first, bucket);
   write_photons(&map, moved, power_W, first, last);
   if (bucket == plan.buckets - 1) write_zeros(&map, last);
 }

@@ -3,6 +3,7 @@
 #pragma OPENCL FP_CONTRACT OFF /* who is inside is then the same on every device and in C++ */
 #include "lib/language.h"
 
+#include "lib/lane_bits.h"
 #include "lib/lanes.h"
 #include "lib/vec3.h"
 
@@ -14,16 +15,20 @@
 
 #include "map/photon_arrays.h"
 
+#include "map/blocks.h"
+
+#include "map/crowd.h"
+
 #include "map/gather.h"
 
 #include "map/nearest.h"
 
 #define MAP_ARGUMENTS                                                                                                  \
-  __global const int *cell_start, __global const int *sub_start, __global const float *x_m, __global const float *y_m, \
+  __global const int *cell_start, __global const float *boxes, __global const float *x_m, __global const float *y_m, \
       __global const float *z_m, __global const int *normal, __global const float *power_W, const int stride,          \
       const PhotonGrid grid
 #define MAP \
-  { cell_start, sub_start, x_m, y_m, z_m, normal, power_W, stride }
+  { cell_start, boxes, x_m, y_m, z_m, normal, power_W, stride }
 
 #define ANSWERS                                                                                        \
   __global const GatherPoint *points, __global float *irradiance_W_m2, __global GatherSpread *spreads, \
@@ -37,7 +42,7 @@ __kernel void gather_radius(MAP_ARGUMENTS, ANSWERS, __global const float *radius
     const Asking question = asking(&point, &settings);
     const float radius = settings.radius_m > 0 ? settings.radius_m : radius_m[i];
     GatherSpread spread;
-    gathered[i].count = gather_within(&map, &grid, &question, radius * radius, irradiance_W_m2 + i * WAVES, &spread);
+    gathered[i].count = gather_within(&map, &grid, &question, scalar_smaller(radius * radius, HUGE_F), irradiance_W_m2 + i * WAVES, &spread);
     gathered[i].radius_m = radius;
     spreads[i] = spread;
   }

@@ -1,6 +1,6 @@
 /* The only dialect switch: everything else under kernels/ is plain C that OpenCL C 1.2 and C++20 both read.
 
-   Set by the build:  REAL_IS_DOUBLE 0|1   LANES 1|4|8   TABLE_IS_IMAGE 0|1
+   Set by the build:  REAL_IS_DOUBLE 0|1   LANES 1|4|8   TABLE_IS_IMAGE 0|1   MEDIUM_VARIES 0|1 (along the surface)
    scalar   float or double.
    real     what a work-item computes with: LANES scalars side by side (PoCL: 8 floats), or one (GPUs).
    mask     one truth value per lane, also used for whole numbers per lane. `m ? a : b` selects lane by lane in both
@@ -39,6 +39,9 @@ DEVICE real root(real x) { return sqrt(x); }
 DEVICE real magnitude(real x) { return fabs(x); }
 DEVICE real exponential(real x) { return exp(x); }
 DEVICE real whole_part(real x) { return floor(x); }
+DEVICE real log_one_plus(real x) { return log1p(x); }
+DEVICE real sine(real x) { return sin(x); }
+DEVICE real cosine(real x) { return cos(x); }
 #if LANES == 1
 DEVICE real load_lanes(__global const scalar *p) { return *p; }
 DEVICE void store_lanes(__global scalar *p, real v) { *p = v; }
@@ -86,6 +89,9 @@ DEVICE real root(real x) { EACH_LANE(x, std::sqrt) return x; }
 DEVICE real magnitude(real x) { EACH_LANE(x, std::fabs) return x; }
 DEVICE real exponential(real x) { EACH_LANE(x, std::exp) return x; }
 DEVICE real whole_part(real x) { EACH_LANE(x, std::floor) return x; }
+DEVICE real log_one_plus(real x) { EACH_LANE(x, std::log1p) return x; }
+DEVICE real sine(real x) { EACH_LANE(x, std::sin) return x; }
+DEVICE real cosine(real x) { EACH_LANE(x, std::cos) return x; }
 #undef EACH_LANE
 template <class Number> /* scalar, or a table's float in a twin of double */
 DEVICE real load_lanes(const Number *p) {
@@ -99,6 +105,13 @@ DEVICE void store_lanes(scalar *p, real v) {
 DEVICE void store_bytes(unsigned char *p, mask m) {
   for (int i = 0; i < LANES; ++i) p[i] = static_cast<unsigned char>(reinterpret_cast<lane_int *>(&m)[i]);
 }
+#endif
+
+/* Asks for a place in memory that will soon be read or written: a hint, for devices where the build says so. */
+#if defined(WITH_FETCH_EARLY) && WITH_FETCH_EARLY
+#define FETCH_EARLY(pointer) __builtin_prefetch((const void *)(size_t)(pointer))
+#else
+#define FETCH_EARLY(pointer) (void)0
 #endif
 
 #define R(x) ((scalar)(x))

@@ -1,7 +1,8 @@
 /* A bucket of the counting sort -> its cells and its part of the map's arrays (map/photon_arrays.h), to be written. */
 
 typedef struct FiledArrays {
-  GLOBAL int *cell_start, *sub_start;
+  GLOBAL int *cell_start;
+  GLOBAL float *boxes;
   GLOBAL float *x_m, *y_m, *z_m;
   GLOBAL unsigned int *normal;
   GLOBAL float *power_W;
@@ -51,8 +52,12 @@ DEVICE void sort_bucket(const SortPlan *plan, GLOBAL const MovedPhoton *moved, G
   if (bucket == 0) cell_start[0] = 0;
   for (int k = low; k < high; ++k) next[k] = 0;
   for (int c = 0; c < plan->chunks; ++c) {
-    const int last = starts[c * plan->row + bucket + 1];
-    for (int i = starts[c * plan->row + bucket]; i < last; ++i) ++next[moved[i].cell];
+    const int begin = starts[c * plan->row + bucket], last = starts[c * plan->row + bucket + 1];
+    const int ahead = (c + 1 < plan->chunks ? starts[(c + 1) * plan->row + bucket] : begin) - begin;
+    for (int i = begin; i < last; ++i) {
+      FETCH_EARLY(moved + i + ahead); /* the next piece */
+      ++next[moved[i].cell];
+    }
   }
   int sum = filed;
   for (int k = low; k < high; ++k) {
@@ -76,39 +81,18 @@ DEVICE void sort_cells_by_emission(const SortPlan *plan, GLOBAL const Photon *ph
   }
 }
 
-/* Photons begin .. end - 1 of one cell by sub-cell, stably, and the starts of those. spare: room for their places. */
-DEVICE void sort_dense_cell(const FiledArrays *map, const PhotonGrid *grid, GLOBAL const MovedPhoton *moved, int begin,
-                            int end) {
-  GLOBAL unsigned int *places = map->order, *spare = map->normal; /* whose own values come later */
-  GLOBAL int *next = map->sub_start + begin + 1;
-  for (int k = -1; k < DENSE - 1; ++k) next[k] = 0;
-  for (int i = begin; i < end; ++i) {
-    GLOBAL const MovedPhoton *photon = moved + places[i];
-    spare[i] = places[i];
-    ++next[sub_cell_of(grid, photon->place_m[0], photon->place_m[1], photon->place_m[2])];
-  }
-  int sum = begin;
-  next[-1] = begin;
-  for (int k = 0; k < DENSE - 1; ++k) {
-    const int count = next[k];
-    next[k] = sum;
-    sum += count;
-  }
-  for (int i = begin; i < end; ++i) {
-    GLOBAL const MovedPhoton *photon = moved + spare[i];
-    places[next[sub_cell_of(grid, photon->place_m[0], photon->place_m[1], photon->place_m[2])]++] = spare[i];
-  }
-}
-
 /* first: of the bucket's photons in the map. */
-DEVICE void sort_dense_cells(const SortPlan *plan, const FiledArrays *map, const PhotonGrid *grid,
-                             GLOBAL const MovedPhoton *moved, int first, int bucket) {
+DEVICE void order_dense_cells(const SortPlan *plan, const FiledArrays *map, GLOBAL const MovedPhoton *moved, int first,
+                              int bucket) {
   const int low = bucket << plan->shift, above = (bucket + 1) << plan->shift;
   const int high = above < plan->cells ? above : plan->cells;
   int begin = first;
   for (int k = low; k < high; ++k) {
     const int end = map->cell_start[k + 1];
-    if (end - begin >= DENSE) sort_dense_cell(map, grid, moved, begin, end);
+    if (end - begin >= DENSE) {
+      order_cell(moved, map->order, map->normal, (GLOBAL int *)(map->boxes + begin), begin, end);
+      write_boxes(map->boxes + begin, moved, map->order, begin, end);
+    }
     begin = end;
   }
 }

@@ -7,7 +7,6 @@
 
 #define CONE_K 1.1f
 #define PI_F 3.14159265358979f
-#define HUGE_F 3e38f
 
 typedef struct Asking {
   float x_m, y_m, z_m;
@@ -66,35 +65,63 @@ DEVICE float kernel_norm(float radius2) {
 #endif
 }
 
+typedef struct Sums {
+  real light[WAVES];
+  real inner, squares; /* WITH_SPREAD */
+  mask counts;
+} Sums;
+
+/* Photons i .. i + LANES - 1, as many as are left before `last`. */
+DEVICE void add_photons(Sums *sums, const PhotonArrays *map, const Asking *a, int i, int last, float radius2,
+                        float per_radius2, float per_cone) {
+  const real d2 = distances2(map, a, i, LANE_NUMBERS < last - i);
+  const mask inside = d2 < radius2;
+  const real weight = inside ? kernel_weight(d2, per_radius2, per_cone) : SPREAD(0);
+  sums->counts += inside ? SPREAD_INT(1) : SPREAD_INT(0);
+  real power = SPREAD(0);
+  for (int w = 0; w < WAVES; ++w) {
+    const real wave_power = load_lanes(map->power_W + w * map->stride + i);
+    sums->light[w] += weight * wave_power;
+    power += wave_power;
+  }
+#if WITH_SPREAD
+  const real inner_weight = kernel_weight(d2, 2 * per_radius2, 1.41421356f * per_cone);
+  sums->inner += (d2 < 0.5f * radius2 ? inner_weight : SPREAD(0)) * power;
+  sums->squares += (weight * power) * (weight * power);
+#endif
+}
+
 /* irradiance_W_m2[WAVES]; spread only WITH_SPREAD. Returns the number of photons inside. */
 DEVICE int gather_within(const PhotonArrays *map, const PhotonGrid *grid, const Asking *a, float radius2,
                          GLOBAL float *irradiance_W_m2, GatherSpread *spread) {
   const float radius_m = scalar_root(radius2), per_radius2 = 1 / radius2, per_cone = 1 / (CONE_K * radius_m);
-  real sum[WAVES], inner = SPREAD(0), squares = SPREAD(0);
-  for (int w = 0; w < WAVES; ++w) sum[w] = SPREAD(0);
-  mask counts = SPREAD_INT(0);
-  Runs runs = runs_within(grid, a->x_m, a->y_m, a->z_m, radius_m);
-  while (next_run(&runs, grid, map->cell_start, map->sub_start))
-    for (int i = runs.first; i < runs.last; i += LANES) {
-      const real d2 = distances2(map, a, i, LANE_NUMBERS < runs.last - i);
-      const mask inside = d2 < radius2;
-      const real weight = inside ? kernel_weight(d2, per_radius2, per_cone) : SPREAD(0);
-      counts += inside ? SPREAD_INT(1) : SPREAD_INT(0);
-      real power = SPREAD(0);
-      for (int w = 0; w < WAVES; ++w) {
-        const real wave_power = load_lanes(map->power_W + w * map->stride + i);
-        sum[w] += weight * wave_power;
-        power += wave_power;
+  const float place_m[3] = {a->x_m, a->y_m, a->z_m};
+  Sums sums;
+  for (int w = 0; w < WAVES; ++w) sums.light[w] = SPREAD(0);
+  sums.inner = sums.squares = SPREAD(0);
+  sums.counts = SPREAD_INT(0);
+  const Ball ball = ball_around(grid, place_m, radius_m);
+  int crowded = 0;
+  for (int row = 0; row < ball.rows; row += LANES) {
+    const Rows rows = rows_of_ball(&ball, grid, map->cell_start, row);
+    for (int l = 0; l < LANES; ++l) {
+      const int first = LANE_INT(rows.first, l), last = LANE_INT(rows.last, l);
+      if (is_crowded(first, last)) {
+        crowded = 1;
+        continue;
       }
-#if WITH_SPREAD
-      const real inner_weight = kernel_weight(d2, 2 * per_radius2, 1.41421356f * per_cone);
-      inner += (d2 < 0.5f * radius2 ? inner_weight : SPREAD(0)) * power;
-      squares += (weight * power) * (weight * power);
-#endif
+      for (int i = first; i < last; i += LANES) add_photons(&sums, map, a, i, last, radius2, per_radius2, per_cone);
     }
+  }
+  if (crowded) {
+    Crowd among = crowd(0);
+    while (next_run(&among, map, grid, &ball, a->x_m, a->y_m, a->z_m, radius2))
+      for (int i = among.first; i < among.last; i += LANES)
+        add_photons(&sums, map, a, i, among.last, radius2, per_radius2, per_cone);
+  }
   const float norm = kernel_norm(radius2);
-  for (int w = 0; w < WAVES; ++w) irradiance_W_m2[w] = norm * lane_sum(sum[w]);
-  spread->inner_W_m2 = 2 * norm * lane_sum(inner);
-  spread->variance_W2_m4 = norm * norm * lane_sum(squares);
-  return lane_count(counts);
+  for (int w = 0; w < WAVES; ++w) irradiance_W_m2[w] = norm * lane_sum(sums.light[w]);
+  spread->inner_W_m2 = WITH_SPREAD ? 2 * norm * lane_sum(sums.inner) : 0;
+  spread->variance_W2_m4 = WITH_SPREAD ? norm * norm * lane_sum(sums.squares) : 0;
+  return lane_count(sums.counts);
 }

@@ -3,7 +3,7 @@
 
 typedef struct PhotonArrays {
   GLOBAL const int *cell_start; /* [cells + 1] */
-  GLOBAL const int *sub_start;  /* of dense cells: map/grid.h */
+  GLOBAL const float *boxes;    /* of dense cells: map/blocks.h */
   GLOBAL const float *x_m, *y_m, *z_m;
   GLOBAL const int *normal;
   GLOBAL const float *power_W; /* [waves][stride] */

@@ -18,16 +18,15 @@ DEVICE RayState dormand_prince_step(const Medium *m, const RayState *start, cons
   RaySlope k[7];
   k[0] = *first;
   for (int stage = 0; stage < 5; ++stage) {
-    real rose_m = SPREAD(0), rise = SPREAD(0);
-    for (int j = 0; j <= stage; ++j) {
-      rose_m += dp_a[stage][j] * k[j].above_m;
-      rise += dp_a[stage][j] * k[j].rise;
-    }
-    k[stage + 1] = derivative(m, start->above_m + h * rose_m, start->rise + h * rise);
+    RayPlace slope = place_of(start);
+    add_to_place(&slope, R(-1), start); /* zero of every quantity */
+    for (int j = 0; j <= stage; ++j) add_to_place(&slope, dp_a[stage][j], &k[j]);
+    const RayPlace at = place_after(start, h, &slope);
+    k[stage + 1] = slope_at(m, &at);
   }
   RayState end = *start;
   for (int j = 0; j < 6; ++j) advance(&end, h * dp_a[5][j], &k[j]);
-  k[6] = derivative(m, end.above_m, end.rise);
+  k[6] = slope_of(m, &end);
 
   real dz = SPREAD(0), drise = SPREAD(0), dbending = SPREAD(0);
   for (int j = 0; j < 7; ++j) {
@@ -36,5 +35,13 @@ DEVICE RayState dormand_prince_step(const Medium *m, const RayState *start, cons
     dbending += dp_error[j] * k[j].bending_rad;
   }
   *error = direction_error(h * dz, h * drise, h * dbending, h);
+#if MEDIUM_VARIES
+  real drun = SPREAD(0), ddrift = SPREAD(0);
+  for (int j = 0; j < 7; ++j) {
+    drun += dp_error[j] * k[j].run_change;
+    ddrift += dp_error[j] * k[j].drift;
+  }
+  *error = larger(*error, h * larger(magnitude(drun), magnitude(ddrift)));
+#endif
   return end;
 }

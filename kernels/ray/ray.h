@@ -5,7 +5,13 @@
 
 #include "shared/ray.h"
 
+#if MEDIUM_VARIES
+#include "shared/section_table.h"
+
+#include "medium/section_lookup.h"
+#else
 #include "medium/refractivity_lookup.h"
+#endif
 
 #include "ray/equation.h"
 

@@ -14,8 +14,8 @@ DEVICE RayState sum(const RayState *a, const RayState *b) {
 
 /* Change of state over h: follow the tangent to its middle, look up grad n there, turn. */
 DEVICE RayState tangent_step(const Medium *m, const RayState *start, const RaySlope *first, real h) {
-  const RaySlope middle =
-      derivative(m, start->above_m + R(0.5) * h * first->above_m, start->rise + R(0.5) * h * first->rise);
+  const RayPlace tangent = place_of(first), at = place_after(start, R(0.5) * h, &tangent);
+  const RaySlope middle = slope_at(m, &at);
   RayState change = *start;
   advance(&change, SPREAD(-1), start); /* zero of every quantity */
   advance(&change, h, &middle);
@@ -26,7 +26,7 @@ DEVICE RayState richardson_step(const Medium *m, const RayState *start, const Ra
   const RayState whole = tangent_step(m, start, first, h);
   const RayState first_half = tangent_step(m, start, first, R(0.5) * h);
   const RayState middle = sum(start, &first_half);
-  const RaySlope slope = derivative(m, middle.above_m, middle.rise);
+  const RaySlope slope = slope_of(m, &middle);
   const RayState second_half = tangent_step(m, &middle, &slope, R(0.5) * h);
   const RayState halves = sum(&first_half, &second_half);
 

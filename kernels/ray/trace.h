@@ -36,6 +36,13 @@ typedef struct March {
   real sigma_m, sigma_end_m, step_m;
   real min_z_m, max_z_m, solver_error_rad;
   real start_momentum2, start_potential; /* for the Bouguer alarm: N^2 and ln N of the table at the start */
+#if MEDIUM_VARIES
+  mask column, first_column, last_column, first_cell, cells; /* of the row; of the column */
+  mask uniform_turns;                                        /* turning points where nothing varies any more */
+  mask at_side;
+  real width_m;
+  real bending_rest_rad, path_rest_m; /* what the sums have lost to rounding */
+#endif
 } March;
 
 /* How far beyond the edge of the cell ahead: negative inside. */
@@ -43,11 +50,28 @@ DEVICE real beyond_edge_m(const CellLanes *c, mask rising, real above_m) {
   return rising ? above_m - c->thickness_m : -above_m;
 }
 
+#if MEDIUM_VARIES
+DEVICE SectionPoint section_of(const Medium *m, const RayState *y) {
+  return section_at(&m->cell, y->above_m / m->cell.thickness_m, y->along_m * m->per_width, m->per_width, m->factor);
+}
+DEVICE real potential_of(const Medium *m, const RayState *y) {
+  const SectionPoint medium = section_of(m, y);
+  return log_one_plus(medium.refractivity) + (m->cell.bottom_m + y->above_m) * m->absorbers.earth_curvature_per_m;
+}
+DEVICE real gradient_change(const Medium *m, const RayState *y) { return section_of(m, y).up_slope; }
+#else
 /* ln N of the table: ln n + z/R. */
 DEVICE real potential(const Medium *m, real above_m) {
   const real t = above_m / m->cell.thickness_m;
   return log_index(&m->cell, t) + (m->cell.bottom_m + above_m) * m->absorbers.earth_curvature_per_m;
 }
+
+DEVICE real potential_of(const Medium *m, const RayState *y) { return potential(m, y->above_m); }
+/* d2(ln n)/dz dt */
+DEVICE real gradient_change(const Medium *m, const RayState *y) {
+  return log_index_gradient_slope(&m->cell, y->above_m / m->cell.thickness_m);
+}
+#endif
 
 /* sigma to the edge ahead, or to the turning point where that comes first.
    z(s) = z + p s + F s^2/2 + J s^3/6: the parabola solved without cancellation, then two Newton steps for the cubic
@@ -60,10 +84,8 @@ DEVICE real sigma_to_edge(const Medium *m, const RayState *y, const RaySlope *sl
   const real denominator = p + (rising ? speed : -speed);
   real s = R(2) * distance / (denominator != R(0) ? denominator : SPREAD(1));
 
-  const real t = y->above_m / m->cell.thickness_m;
   const real momentum2 = slope->optical_path_m;
-  const real jerk =
-      p * (R(2) * force * force / momentum2 + momentum2 * log_index_gradient_slope(&m->cell, t) / m->cell.thickness_m);
+  const real jerk = p * (R(2) * force * force / momentum2 + momentum2 * gradient_change(m, y) / m->cell.thickness_m);
   for (int i = 0; i < 2; ++i) {
     const real miss = distance - s * (p + s * (R(0.5) * force + s * R(1.0 / 6) * jerk));
     const real velocity = p + s * (force + s * R(0.5) * jerk);
@@ -79,6 +101,15 @@ DEVICE real sigma_to_edge(const Medium *m, const RayState *y, const RaySlope *sl
 
 /* Flattened height [m]. */
 DEVICE real height(const March *w) { return w->medium.cell.bottom_m + w->y.above_m; }
+
+#if MEDIUM_VARIES
+#include "ray/sides.h"
+#else
+DEVICE mask is_topmost(const March *w, const TraceSettings *settings) { return w->cell == settings->cells_per_row - 1; }
+DEVICE void enter_cells(March *w, INDEX_TABLE table, const TraceSettings *settings) {
+  load_cells(table, w->row, w->cell, settings->cells_per_row, &w->medium.cell);
+}
+#endif
 
 DEVICE void start_march(March *w, INDEX_TABLE table, GLOBAL const RayStart *rays, int first, int last,
                         const TraceSettings *settings, Absorbers absorbers) {
@@ -100,20 +131,23 @@ DEVICE void start_march(March *w, INDEX_TABLE table, GLOBAL const RayStart *rays
 #endif
   w->outcome = w->turning_points = w->steps = w->rejected = SPREAD_INT(0);
   w->sigma_m = w->solver_error_rad = zero;
-  load_cells(table, w->row, w->cell, settings->cells_per_row, &w->medium.cell);
+#if MEDIUM_VARIES
+  start_beside(w, table, rays, first, last);
+#endif
+  enter_cells(w, table, settings);
   w->min_z_m = w->max_z_m = height(w);
   w->step_m = w->medium.cell.step_cap_m;
-  const RaySlope slope = derivative(&w->medium, w->y.above_m, w->y.rise);
+  const RaySlope slope = slope_of(&w->medium, &w->y);
   w->heading = (w->y.rise > R(0)) | ((w->y.rise == R(0)) & (slope.rise >= R(0)));
   w->start_momentum2 = slope.optical_path_m;
-  w->start_potential = potential(&w->medium, w->y.above_m);
+  w->start_potential = potential_of(&w->medium, &w->y);
 }
 
 /* From within the landing tolerance exactly onto the edge ahead, by the ray's parabola; returns the lanes that are
    there. A ray that turns before the edge, however close, does not reach it: it stays in its cell. */
 DEVICE mask move_onto_edge(March *w, mask close, const TraceSettings *settings) {
   const CellLanes *c = &w->medium.cell;
-  const RaySlope slope = derivative(&w->medium, w->y.above_m, w->y.rise);
+  const RaySlope slope = slope_of(&w->medium, &w->y);
   const real edge = w->heading ? c->thickness_m : SPREAD(0);
   const real distance = edge - w->y.above_m;
   const real speed2 = w->y.rise * w->y.rise + R(2) * slope.rise * distance;
@@ -122,7 +156,7 @@ DEVICE mask move_onto_edge(March *w, mask close, const TraceSettings *settings) 
   const real way = R(2) * distance / (denominator != R(0) ? denominator : SPREAD(1));
   const mask beyond = beyond_edge_m(c, w->heading, w->y.above_m) >= R(0);
   /* Beyond the last edge by a step over its turning point, which the parabola may miss by a hair: back to the turn. */
-  const mask ends = beyond & (w->heading ? w->cell == settings->cells_per_row - 1 : w->cell == 0);
+  const mask ends = beyond & (w->heading ? is_topmost(w, settings) : w->cell == 0);
   const mask moves =
       close & ((speed2 > R(0)) | ends) & (denominator != R(0)) & (magnitude(way) < R(0.02) * c->step_cap_m);
   const real h = moves ? way : SPREAD(0);
@@ -140,14 +174,14 @@ DEVICE void cross_edges(March *w, INDEX_TABLE table, const TraceSettings *settin
   if (!any_lane(close)) return;
   const mask at_edge = move_onto_edge(w, close, settings);
   const mask up = at_edge & w->heading, down = at_edge & !w->heading;
-  const mask space = up & (w->cell == settings->cells_per_row - 1), ground = down & (w->cell == 0);
+  const mask space = up & is_topmost(w, settings), ground = down & (w->cell == 0);
   w->outcome = space ? SPREAD_INT(RAY_SPACE) : ground ? SPREAD_INT(RAY_GROUND) : w->outcome;
   const mask one = SPREAD_INT(1), none = SPREAD_INT(0);
   const mask rises = up & (!space), sinks = down & (!ground);
   if (!any_lane(rises | sinks)) return;
   w->y.above_m -= rises ? c->thickness_m : SPREAD(0);
   w->cell += (rises ? one : none) - (sinks ? one : none);
-  load_cells(table, w->row, w->cell, settings->cells_per_row, &w->medium.cell);
+  enter_cells(w, table, settings);
   w->y.above_m += sinks ? c->thickness_m : SPREAD(0);
 }
 
@@ -160,7 +194,12 @@ DEVICE void note_turning_points(March *w, const RaySlope *slope, mask rising_now
   w->max_z_m = turned ? larger(w->max_z_m, extreme) : w->max_z_m;
   w->turning_points += turned ? SPREAD_INT(1) : SPREAD_INT(0);
   /* A ray asked for at a distance goes on to it, trapped or not. */
-  const mask trapped = (w->outcome == RAY_RUNNING) & (w->turning_points >= 2) & (w->sigma_end_m >= R(ENDLESS_M));
+#if MEDIUM_VARIES
+  const mask held = turned_where_nothing_varies(w, turned) >= 2;
+#else
+  const mask held = w->turning_points >= 2;
+#endif
+  const mask trapped = (w->outcome == RAY_RUNNING) & held & (w->sigma_end_m >= R(ENDLESS_M));
   w->outcome = trapped ? SPREAD_INT(RAY_TRAPPED) : w->outcome;
 }
 
@@ -168,12 +207,22 @@ DEVICE void note_turning_points(March *w, const RaySlope *slope, mask rising_now
 DEVICE void try_step(March *w, const RaySlope *slope, const TraceSettings *settings, mask running) {
   const Medium *m = &w->medium;
   const real to_edge = sigma_to_edge(m, &w->y, slope, w->heading);
-  const real allowed = smaller(smaller(to_edge, m->cell.step_cap_m), w->sigma_end_m - w->sigma_m);
+#if MEDIUM_VARIES
+  const real to_side = sigma_to_side(w, slope), to_end = sigma_to_distance(w, slope);
+#else
+  const real to_side = m->cell.step_cap_m, to_end = w->sigma_end_m - w->sigma_m;
+#endif
+  const real allowed = smaller(smaller(smaller(to_edge, m->cell.step_cap_m), to_side), to_end);
   const real smallest_m = SMALLEST * m->cell.step_cap_m;
   const real h = larger(smaller(w->step_m, allowed), smallest_m);
 
   real error;
+#if MEDIUM_VARIES
+  const RayState from = without_sums(&w->y);
+  const RayState end = INTEGRATOR_STEP(m, &from, slope, h, &error);
+#else
   const RayState end = INTEGRATOR_STEP(m, &w->y, slope, h, &error);
+#endif
   const real tolerance = settings->tolerance_rad + R(2) * ROUNDING * magnitude(end.rise);
   const real beyond = beyond_edge_m(&m->cell, w->heading, end.above_m);
   const mask overshot = beyond > R(4) * LANDING * m->cell.thickness_m;
@@ -189,10 +238,16 @@ DEVICE void try_step(March *w, const RaySlope *slope, const TraceSettings *setti
   const real kept = larger(grown, h < w->step_m ? w->step_m : SPREAD(0));
   w->step_m = accepted ? kept : (overshot & (error <= tolerance)) ? shortened : grown;
 
+#if MEDIUM_VARIES
+  keep_beside(w, &end, accepted);
+  w->at_side = accepted & (h >= to_side);
+#endif
   w->y.above_m = accepted ? end.above_m : w->y.above_m;
   w->y.rise = accepted ? end.rise : w->y.rise;
+#if !MEDIUM_VARIES
   w->y.bending_rad = accepted ? end.bending_rad : w->y.bending_rad;
   w->y.optical_path_m = accepted ? end.optical_path_m : w->y.optical_path_m;
+#endif
 #if WITH_COLUMNS
   for (int i = 0; i < 3; ++i) w->y.column[i] = accepted ? end.column[i] : w->y.column[i];
 #endif
@@ -203,7 +258,11 @@ DEVICE void try_step(March *w, const RaySlope *slope, const TraceSettings *setti
   w->steps += accepted ? SPREAD_INT(1) : SPREAD_INT(0);
   w->rejected += (running & (!accepted)) ? SPREAD_INT(1) : SPREAD_INT(0);
 
+#if MEDIUM_VARIES
+  const mask arrived = accepted & (h >= to_end);
+#else
   const mask arrived = accepted & (w->sigma_m >= w->sigma_end_m * (R(1) - R(2) * ROUNDING));
+#endif
   const mask broken = running & !(error <= R(1e30));
   w->outcome = broken ? SPREAD_INT(RAY_NOT_FINITE) : arrived ? SPREAD_INT(RAY_IN_FLIGHT) : w->outcome;
 }
@@ -214,8 +273,11 @@ DEVICE void trace(March *w, INDEX_TABLE table, const TraceSettings *settings) {
     if (!any_lane(running)) break;
     const mask rising_before = w->heading;
     w->heading = (w->y.rise > R(0)) | ((w->y.rise == R(0)) & rising_before);
+#if MEDIUM_VARIES
+    cross_sides(w, table, settings, running);
+#endif
     cross_edges(w, table, settings, running);
-    const RaySlope slope = derivative(&w->medium, w->y.above_m, w->y.rise);
+    const RaySlope slope = slope_of(&w->medium, &w->y);
     note_turning_points(w, &slope, w->heading, rising_before);
     running = w->outcome == RAY_RUNNING;
     try_step(w, &slope, settings, running);
@@ -225,17 +287,20 @@ DEVICE void trace(March *w, INDEX_TABLE table, const TraceSettings *settings) {
   w->max_z_m = larger(w->max_z_m, height(w));
 }
 
-/* |ln| change of N^2 against the table's own N^2: run never changes, so this sees every error of height and rise. */
+/* |ln| change of N^2 against the table's own N^2: it sees every error of height and momentum. */
 DEVICE real bouguer_drift(const March *w) {
-  const real momentum2 = w->medium.run * w->medium.run + w->y.rise * w->y.rise;
+  const real momentum2 = slope_of(&w->medium, &w->y).optical_path_m;
   const real kept = (momentum2 - w->start_momentum2) / w->start_momentum2;
-  const real expected = R(2) * (potential(&w->medium, w->y.above_m) - w->start_potential);
+  const real expected = R(2) * (potential_of(&w->medium, &w->y) - w->start_potential);
   return R(0.5) * magnitude(kept - (exponential(expected) - R(1)));
 }
 
 DEVICE void record(const March *w, GLOBAL RayEnd *ends, int first, int last) {
   March v = *w;
   real drift = bouguer_drift(w);
+#if MEDIUM_VARIES
+  finish_beside(&v);
+#endif
   for (int i = 0; i < LANES; ++i) {
     if (first + i > last) continue;
     RayEnd end;
@@ -261,6 +326,9 @@ DEVICE void record(const March *w, GLOBAL RayEnd *ends, int first, int last) {
     end.turning_points = (int)LANE_INT(v.turning_points, i);
     end.steps = (int)LANE_INT(v.steps, i);
     end.rejected = (int)LANE_INT(v.rejected, i);
+#if MEDIUM_VARIES
+    record_beside(&v, &end, i);
+#endif
     ends[first + i] = end;
   }
 }

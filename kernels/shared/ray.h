@@ -10,6 +10,11 @@ typedef struct RayStart {
   scalar sigma_end_m; /* stop here: surface distance / run; ENDLESS_M or more: until it leaves */
   int row;            /* wavelength: row of the index table */
   int cell;
+#if MEDIUM_VARIES
+  int column;          /* cell counts from the bottom of the column */
+  scalar along_m;      /* x from the left edge of the column */
+  scalar course, beam; /* cosine and sine of the angle from the direction of x to that of the ray */
+#endif
 } RayStart;
 
 enum RayOutcome {
@@ -27,7 +32,8 @@ enum RayOutcome {
 
 typedef struct RayEnd {
   scalar above_m, run, rise;
-  scalar sigma_m;        /* d(sigma) = ds/n in flattened space; surface distance = run * sigma */
+  scalar sigma_m;        /* d(sigma) = ds/n in flattened space; surface distance = run * sigma. Where the medium varies
+                            along the surface run does, too: then sigma_m is the surface distance over the last run */
   scalar bending_rad;    /* total turning of the tangent, positive toward the surface */
   scalar optical_path_m; /* integral of n ds */
   scalar column[3];      /* air [kg/m^2], ozone and aerosol [m of sea-level density: shape 1 at its peak] */
@@ -39,6 +45,11 @@ typedef struct RayEnd {
   int turning_points;
   int steps; /* accepted */
   int rejected;
+#if MEDIUM_VARIES
+  int column_number;
+  scalar along_m;
+  scalar sideways_rad; /* turned out of the vertical plane in which it was seen, to the side of `beam` */
+#endif
 } RayEnd;
 
 /* The vertical shapes of ozone and aerosol, 1 at the peak. */

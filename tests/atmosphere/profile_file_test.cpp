@@ -160,7 +160,7 @@ const std::vector<Wrong> wrong_profiles{
     {"exaggerate = 0", 1, 14, "above 0"},
     {"exaggerate = true", 1, 14, "found true"},
     {"smoth_m = 1", 1, 1, "unknown key 'smoth_m' (did you mean 'smooth_m'?)"},
-    {"colour = 1", 1, 1, "expected one of base, earth_radius_m"},
+    {"colour = 1", 1, 1, "expected one of along_surface, azimuth_deg, base, earth_radius_m"},
     {"[level]\nheight_m = 0", 1, 1, "[[level]]"},
     {"level = 3", 1, 9, "[[level]]"},
     {"level = [3]", 1, 10, "[[level]]"},

@@ -173,7 +173,7 @@ TEST(Vacuum, IsAboveTheAirAndNothingIsBelowTheGround) {
 }
 
 TEST(Impossible, AirIsRefusedWithAReason) {
-  // oracle: T > 0; what varies along the surface is not modelled yet and says so
+  // oracle: T > 0; what varies along the surface has no single profile and says so (air_section_test.cpp)
   // tolerance: exact
   ProfileSpec cold;
   cold.inversions.push_back({400.0, 50.0, 5.0, {}});

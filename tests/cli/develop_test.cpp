@@ -1,4 +1,5 @@
 // greenray develop and greenray eye, as a user runs them.
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -51,7 +52,11 @@ TEST_F(Develop, HumanWithEverything) {
   const Outcome made = run({"develop", "s.exr", "-o", "o.png", "--observer", "human", "--bleaching", "1", "--fov", "1",
                             "--greener", "g.png", "--stats", "s.json", "--bits", "16"});
   ASSERT_EQ(made.code, 0) << made.err;
-  EXPECT_EQ(read_png(folder / "o.png").bits, 16);
+  const Raster fine = read_png(folder / "o.png");
+  EXPECT_EQ(fine.bits, 16);
+  ASSERT_EQ(run({"develop", "s.exr", "-o", "o8.png", "--observer", "human", "--bleaching", "1", "--fov", "1"}).code, 0);
+  const Raster coarse = read_png(folder / "o8.png");
+  for (std::size_t i = 0; i < fine.rgb.size(); ++i) ASSERT_NEAR(fine.rgb[i] / 257.0, coarse.rgb[i], 1.6) << i;
   EXPECT_EQ(read_png(folder / "g.png").width, 64);
   EXPECT_EQ(read_exr(folder / "g.exr").parts.at(0).channels.count("delta_e2000"), 1U);
   const Json json = stats("s.json");
@@ -70,6 +75,7 @@ TEST_F(Develop, WrongFlagsAndFiles) {
   write_sun("s.exr");
   write(folder / "junk.exr", "no picture");
   write(folder / "h.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 4\nabc");
+  write(folder / "h.txt", "0 1\n1 2\n");
   for (const Words &words :
        std::vector<Words>{{"develop", "s.exr", "-o", "o.png", "--bleaching", "-3"},
                           {"develop", "s.exr", "-o", "o.png", "--bleaching", "soon"},
@@ -80,12 +86,41 @@ TEST_F(Develop, WrongFlagsAndFiles) {
                           {"develop", "junk.exr", "-o", "o.png", "--observer", "human"},
                           {"develop", "none.exr", "-o", "o.png", "--observer", "human"},
                           {"develop", "h.hdr", "-o", "o.png", "--observer", "human"},
+                          {"develop", "s.exr", "-o", "o.png", "--observer", "camera", "--greener", "g.png"},
+                          {"develop", "s.exr", "-o", "o.png", "--bleaching", "1", "--greener", "o.png"},
+                          {"develop", "s.exr", "-o", "o.exr", "--bleaching", "1", "--greener", "o.png"},
+                          {"develop", "s.exr", "-o", "o.png", "--bleaching", "1", "--stats", "./o.png"},
+                          {"develop", "--histogram", "h.txt", "--map", "m.txt", "-o", "o.png"},
                           {"develop", "-o", "o.png"},
                           {"develop", "s.exr"}}) {
     const Outcome result = run(words);
     EXPECT_EQ(result.code, 2) << words.back() << result.err;
-    EXPECT_FALSE(fs::exists(folder / "o.png"));
+    EXPECT_FALSE(fs::exists(folder / "o.png") || fs::exists(folder / "o.exr"));
   }
+}
+
+// oracle: contract: exit 2 writes nothing, also where only a later picture of a sequence is wrong; without bleaching
+//         pictures of a sequence have nothing in common.  tolerance: none
+TEST_F(Develop, SequenceThatCannotEndDoesNotBegin) {
+  write_sun("a.exr");
+  write_exr(folder / "small.exr", RgbImage{5, 4, std::vector<float>(60, 7.0F)});
+  for (const char *second : {"small.exr", "none.exr"}) {
+    EXPECT_EQ(run({"develop", "a.exr", second, "-o", "f.png", "--bleaching", "1"}).code, 2);
+    EXPECT_FALSE(fs::exists(folder / "f-0001.png"));
+  }
+  EXPECT_EQ(run({"develop", "a.exr", "small.exr", "-o", "f.png", "--observer", "human"}).code, 0);
+  EXPECT_TRUE(fs::exists(folder / "f-0002.png"));
+}
+
+// oracle: a camera picture has the same pixels whether it is kept in memory or read in rows.  tolerance: none
+TEST_F(Develop, CameraStreamsTheSamePixels) {
+  RgbImage image{200, 150, std::vector<float>(3 * 200 * 150)};
+  for (std::size_t i = 0; i < image.rgb.size(); ++i)
+    image.rgb[i] = std::pow(10.0F, static_cast<float>(i * 7919 % 10007) / 2000.0F - 2.0F);
+  write_exr(folder / "a.exr", image);
+  ASSERT_EQ(run({"develop", "a.exr", "-o", "kept.exr"}).code, 0);
+  ASSERT_EQ(run({"develop", "a.exr", "-o", "rows.exr", "--mem", "1"}).code, 0);
+  EXPECT_EQ(read_exr(folder / "kept.exr").rgb().rgb, read_exr(folder / "rows.exr").rgb().rgb);
 }
 
 // oracle: a Radiance picture by its own rules: (128 + 0.5)/256 2^(129-128) x 179 lm/W / EXPOSURE.  tolerance: 1e-5
@@ -97,6 +132,19 @@ TEST_F(Develop, RadiancePicture) {
   const RgbImage image = read_exr(folder / "l.exr").rgb();
   for (const float v : image.rgb) EXPECT_NEAR(v / (128.5 / 256 * 2 * 179 / 2), 1, 1e-3) << "white is white";
   EXPECT_EQ(run({"develop", "h.hdr", "-o", "h.png", "--observer", "human"}).code, 0);
+  // old run-length code: (1, 1, 1, n) repeats, the next one 256 n times
+  write(folder / "r.hdr", "#?RADIANCE\n\n-Y 1 +X 301\n" +
+                              std::string("\x80\x80\x80\x81\x01\x01\x01\x2b\x01\x01\x01\x01", 12) +
+                              std::string("\x40\x40\x40\x81", 4));
+  ASSERT_EQ(run({"develop", "r.hdr", "-o", "r.exr", "--observer", "linear"}).code, 0);
+  const RgbImage runs = read_exr(folder / "r.exr").rgb();
+  EXPECT_EQ(runs.rgb[0], runs.rgb[3 * 299]);
+  EXPECT_NEAR(runs.rgb[3 * 300] / runs.rgb[0], 64.5 / 128.5, 1e-5);
+  // known by its bytes, not by its name; Radiance's readers take spaces around the format
+  hdr.replace(hdr.find("FORMAT="), 7, "FORMAT= ");
+  write(folder / "h.rgbe", hdr);
+  for (const char *observer : {"camera", "human", "linear"})
+    EXPECT_EQ(run({"develop", "h.rgbe", "-o", "r.png", "--observer", observer}).code, 0) << observer;
 }
 
 // oracle: a sequence is its pictures one after the other; the state goes on.  tolerance: none

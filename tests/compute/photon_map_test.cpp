@@ -28,36 +28,34 @@ int cell_by_hand(const PhotonGrid &g, const Photon &p) {
   return (cell[2] * g.cells[1] + cell[1]) * g.cells[0] + cell[0];
 }
 
-/// Eighth of the cell along each axis, in cells of 513 photons and more; 0 in others.
-int sub_cell_by_hand(const PhotonGrid &g, const Photon &p, std::size_t in_cell) {
-  if (in_cell < 513) return 0;
-  int sub[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    const float t = (p.place_m[axis] - g.origin_m[axis]) * g.per_m;
-    const bool wraps = g.wrap && axis > 0;
-    const float part = !wraps && t < 0 ? 0 : !wraps && t >= static_cast<float>(g.cells[axis]) ? 1 : t - std::floor(t);
-    sub[axis] = std::min(static_cast<int>(part * 8), 7);
-  }
-  return (sub[2] * 8 + sub[1]) * 8 + sub[0];
-}
+/// Where std::sort puts a record: (cell, id, bounce).
+using Key = std::tuple<int, unsigned, unsigned>;
+Key key_by_hand(const PhotonGrid &g, const Photon &p) { return {cell_by_hand(g, p), p.id, PHOTON_BOUNCE(p.tags)}; }
 
 /// The map that std::sort makes of the records.
 std::vector<unsigned> order_by_hand(const PhotonGrid &g, const Photons &photons) {
   std::vector<unsigned> order;
-  std::map<int, std::size_t> in_cell;
-  for (unsigned i = 0; i < photons.records.size(); ++i)
-    if (PHOTON_KIND(photons.records[i].tags) != PHOTON_NONE && std::isfinite(photons.records[i].place_m[0])) {
-      order.push_back(i);
-      ++in_cell[cell_by_hand(g, photons.records[i])];
-    }
-  using Key = std::tuple<int, int, unsigned, unsigned>;
   std::vector<Key> keys(photons.records.size());
-  for (const unsigned i : order) {
+  for (unsigned i = 0; i < photons.records.size(); ++i) {
     const Photon &p = photons.records[i];
-    const int cell = cell_by_hand(g, p);
-    keys[i] = {cell, sub_cell_by_hand(g, p, in_cell[cell]), p.id, PHOTON_BOUNCE(p.tags)};
+    if (PHOTON_KIND(p.tags) == PHOTON_NONE || !std::isfinite(p.place_m[0])) continue;
+    order.push_back(i);
+    keys[i] = key_by_hand(g, p);
   }
   std::sort(order.begin(), order.end(), [&](unsigned a, unsigned b) { return keys[a] < keys[b]; });
+  return order;
+}
+
+/// The order of a map with dense cells, of 513 photons and more, put back into that of emission: they have an order of
+/// their own.
+std::vector<unsigned> with_dense_cells_by_emission(const PhotonMap::Contents &c, const PhotonGrid &g,
+                                                   const Photons &photons) {
+  std::vector<unsigned> order = c.order;
+  for (std::size_t k = 0; k + 1 < c.cell_start.size(); ++k)
+    if (c.cell_start[k + 1] - c.cell_start[k] >= 513)
+      std::sort(order.begin() + c.cell_start[k], order.begin() + c.cell_start[k + 1], [&](unsigned a, unsigned b) {
+        return key_by_hand(g, photons.records[a]) < key_by_hand(g, photons.records[b]);
+      });
   return order;
 }
 
@@ -86,15 +84,15 @@ void expect_sorted_records(const Photons &photons, const Bounds &bounds, double 
   const std::vector<unsigned> expected = order_by_hand(map.grid(), photons);
   const auto waves = static_cast<std::size_t>(photons.waves);
   ASSERT_EQ(map.filed(), expected.size());
-  EXPECT_EQ(c.order, expected) << cell_m;
+  EXPECT_EQ(with_dense_cells_by_emission(c, map.grid(), photons), expected) << cell_m;
   for (std::size_t i = 0; i < expected.size(); ++i) {
-    const Photon &p = photons.records[expected[i]];
+    const Photon &p = photons.records[c.order[i]];
     ASSERT_EQ(c.x_m[i], p.place_m[0]);
     ASSERT_EQ(c.y_m[i], p.place_m[1]);
     ASSERT_EQ(c.z_m[i], p.place_m[2]);
     ASSERT_EQ(c.normal[i], p.normal);
     for (std::size_t w = 0; w < waves; ++w)
-      ASSERT_EQ(c.power_W[w * expected.size() + i], photons.power_W[expected[i] * waves + w]);
+      ASSERT_EQ(c.power_W[w * expected.size() + i], photons.power_W[c.order[i] * waves + w]);
     const int cell = cell_by_hand(map.grid(), p);
     ASSERT_LE(c.cell_start[static_cast<std::size_t>(cell)], static_cast<int>(i));
     ASSERT_GT(c.cell_start[static_cast<std::size_t>(cell) + 1], static_cast<int>(i));
@@ -129,12 +127,14 @@ TEST(PhotonMap, FilesWhatLiesOutsideTheBox) {
 // tolerance: none
 TEST(PhotonMap, SameBitsForAnyChunkWorkGroupAndThreads) {
   const Photons photons = photons_in_room(30000, 3, 11);
-  const PhotonMap::Contents reference = filed(photons, 0.2);
-  for (int local_size : {1, 3, 16})
-    for (int chunk : {97, 1024, 40000}) expect_same_map(filed(photons, 0.2, local_size, chunk), reference);
   DeviceOptions one_thread = device_options();
   one_thread.threads = 1;
-  expect_same_map(filed(photons, 0.2, 0, 0, open_device(one_thread)), reference);
+  for (double cell_m : {0.2, 1.5, 40.0}) { /* no dense cells, some, one that holds everything */
+    const PhotonMap::Contents reference = filed(photons, cell_m);
+    for (int local_size : {1, 3, 16})
+      for (int chunk : {97, 1024, 40000}) expect_same_map(filed(photons, cell_m, local_size, chunk), reference);
+    expect_same_map(filed(photons, cell_m, 0, 0, open_device(one_thread)), reference);
+  }
 }
 
 // oracle: the map of the same photons in the order of their emission
@@ -142,14 +142,16 @@ TEST(PhotonMap, SameBitsForAnyChunkWorkGroupAndThreads) {
 TEST(PhotonMap, TheOrderOfTheRecordsDoesNotMatter) {
   const Photons photons = photons_in_room(15000, 2, 3);
   const Photons mixed = shuffled(photons, 99);
-  const PhotonMap::Contents a = filed(photons, 0.15), b = filed(mixed, 0.15);
-  EXPECT_EQ(a.cell_start, b.cell_start);
-  EXPECT_EQ(a.x_m, b.x_m);
-  EXPECT_EQ(a.y_m, b.y_m);
-  EXPECT_EQ(a.power_W, b.power_W);
-  for (std::size_t i = 0; i < a.order.size(); ++i) {
-    const Photon &pa = photons.records[a.order[i]], &pb = mixed.records[b.order[i]];
-    ASSERT_EQ(std::memcmp(&pa, &pb, sizeof pa), 0) << i;
+  for (double cell_m : {0.15, 1.5, 40.0}) {
+    const PhotonMap::Contents a = filed(photons, cell_m), b = filed(mixed, cell_m);
+    EXPECT_EQ(a.cell_start, b.cell_start);
+    EXPECT_EQ(a.x_m, b.x_m);
+    EXPECT_EQ(a.y_m, b.y_m);
+    EXPECT_EQ(a.power_W, b.power_W);
+    for (std::size_t i = 0; i < a.order.size(); ++i) {
+      const Photon &pa = photons.records[a.order[i]], &pb = mixed.records[b.order[i]];
+      ASSERT_EQ(std::memcmp(&pa, &pb, sizeof pa), 0) << i;
+    }
   }
 }
 
@@ -379,6 +381,87 @@ TEST(PhotonGather, DenseCellsAgainstBruteForce) {
           ASSERT_EQ(nearest.gathered[q].count, inside(near.photons[59].first)) << q << " cell " << cell_m;
         }
       }
+}
+
+/// Photons at places that are hard to sort or to search, and who asks about them: some photons, and places around.
+struct HardCase {
+  std::string name;
+  Photons photons;
+  std::vector<GatherPoint> points;
+};
+HardCase hard_case(const std::string &name, std::size_t count) {
+  std::mt19937 engine(77);
+  std::uniform_real_distribution<float> unit(0, 1);
+  HardCase c{name, photons_in_room(count, 1, 41), {}};
+  const unsigned normal = photon_twin::pack_normal(0, 0, 1);
+  for (Photon &p : c.photons.records) {
+    const float u = unit(engine), v = unit(engine), w = unit(engine), t = unit(engine);
+    const auto put = [&](float x, float y, float z) { p.place_m[0] = x, p.place_m[1] = y, p.place_m[2] = z; };
+    if (name == "one point") put(1.25f, 2.5f, 3);
+    else if (name == "three points") put(u < 0.5f ? 1.0f : 1.0001f, 2, u < 0.25f ? 3.0f : 2.999f);
+    else if (name == "line") put(u, 2 * u, 3 * u);
+    else if (name == "axis") put(0.5f, u, 0.5f);
+    else if (name == "cusp") put(u * u * u * 1e-3f, 1 + v * u * u * 0.1f, 2);
+    else if (name == "two clusters")
+      put(t < 0.5f ? u : 0.3f + 1e-2f * u, t < 0.5f ? v : 0.4f + 1e-2f * v, t < 0.5f ? w : 0.5f + 1e-2f * w);
+    else if (name == "powers of ten") put(std::pow(10.0f, -8 * u), std::pow(10.0f, -8 * v), std::pow(10.0f, -8 * w));
+    p.normal = normal;
+  }
+  for (int i = 0; i < 60; ++i) {
+    GatherPoint q{{unit(engine), unit(engine), unit(engine)}, normal};
+    const std::size_t pick = engine() % std::max<std::size_t>(count, 1);
+    if (count > 0 && i % 3 > 0) /* a photon's own place, or one just beside it */
+      for (int k = 0; k < 3; ++k)
+        q.place_m[k] = c.photons.records[pick].place_m[k] + (i % 3 == 1 ? 0 : 1e-3f * (q.place_m[k] - 0.5f));
+    c.points.push_back(q);
+  }
+  return c;
+}
+
+void expect_brute_force(const HardCase &c, int lanes, double cell_m, double radius_m, int k) {
+  PhotonMap map(shared_device(lanes), {c.photons.records.size(), 1, 0, 0});
+  map.upload(c.photons.records, c.photons.power_W);
+  map.build(c.photons.records.size(), bounds_of(c.photons.records), cell_m);
+  GatherSettings settings = gather_settings(radius_m, 1, 180);
+  PhotonGather gather(shared_device(lanes), 1, {GATHER_FLAT, false, 0, 4});
+  gather.set_points(c.points);
+  gather.within(map, settings);
+  const GatherAnswers within = gather.read();
+  settings.radius_m = 100, settings.guess_m = static_cast<float>(radius_m), settings.nearest = k;
+  gather.nearest(map, settings);
+  const GatherAnswers nearest = gather.read();
+  for (std::size_t q = 0; q < c.points.size(); ++q) {
+    const Near near = near_by_hand(c.photons, c.points[q], settings);
+    const auto inside = [&](float r2) {
+      return std::count_if(near.photons.begin(), near.photons.end(), [&](auto &p) { return p.first < r2; });
+    };
+    const float r = static_cast<float>(radius_m);
+    ASSERT_EQ(within.gathered[q].count, inside(r * r)) << c.name << " " << q << " cell " << cell_m;
+    const auto at = static_cast<std::size_t>(k) - 1;
+    const float kth2 = at < near.photons.size() ? std::max(near.photons[at].first, 1e-30f) : 100.0f * 100.0f;
+    ASSERT_EQ(nearest.gathered[q].radius_m, std::sqrt(kth2)) << c.name << " " << q << " k " << k << " cell " << cell_m;
+    ASSERT_EQ(nearest.gathered[q].count, inside(kth2)) << c.name << " " << q << " k " << k << " cell " << cell_m;
+  }
+}
+
+// oracle: brute force over all photons, distances in float as the device's: photons that cannot be told apart by place,
+// on lines, and at densities that differ by a factor of a million (two clusters: 100 times as small along each axis)
+// tolerance: none
+TEST(PhotonGather, HardPlacesAgainstBruteForce) {
+  for (const char *name : {"one point", "three points", "line", "axis", "cusp", "two clusters", "powers of ten"})
+    for (int lanes : {1, 8}) {
+      const HardCase c = hard_case(name, 12000);
+      for (double cell_m : {0.05, 3.0})
+        for (int k : {1, 150, 3000}) expect_brute_force(c, lanes, cell_m, k == 1 ? 0.01 : 0.2, k);
+    }
+}
+
+// oracle: brute force: nothing, one photon, fewer than are asked for: then the radius is the largest allowed
+// tolerance: none
+TEST(PhotonGather, FewPhotonsAgainstBruteForce) {
+  for (std::size_t count : {0u, 1u, 2u, 149u, 600u})
+    for (int lanes : {1, 4, 8})
+      for (int k : {1, 150, 1000}) expect_brute_force(hard_case("cusp", count), lanes, 0.5, 0.3, k);
 }
 
 }  // namespace

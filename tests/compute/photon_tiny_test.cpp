@@ -60,6 +60,11 @@ TEST(TinyPhotons, DenseCell) {
   for (const Gathered &g : gather.read().gathered) EXPECT_EQ(g.count, 600);
   gather.within(map, gather_settings(1e-6, 1, 180));
   for (const Gathered &g : gather.read().gathered) EXPECT_EQ(g.count, 0);
+  GatherSettings settings = gather_settings(20, 1, 180);
+  settings.guess_m = 20;
+  settings.nearest = 7;
+  gather.nearest(map, settings);
+  for (const Gathered &g : gather.read().gathered) EXPECT_EQ(g.count, 6);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -10,6 +11,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "image/picture_source.hpp"
 #include "support/csv_table.hpp"
 
 namespace greenray {
@@ -147,6 +149,27 @@ TEST(Colour, GamutMappingKeepsHue) {
   Rgb brighter{3, 2.9, 2.8};
   EXPECT_TRUE(map_into_gamut(brighter));
   for (const double channel : brighter) EXPECT_NEAR(channel, 1, 1e-5);
+}
+
+// oracle: more light than a number can tell stays that in any primaries, also where a matrix has a 0 (Display P3: red
+// has
+//         no Z) or a negative number (ACES AP0); NaN and -infinity are no light.  tolerance: none
+TEST(Primaries, InfiniteLightStaysInfinite) {
+  const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
+  for (const std::array<double, 8> &xy :
+       {std::array<double, 8>{0.68, 0.32, 0.265, 0.69, 0.15, 0.06, 0.3127, 0.329},
+        std::array<double, 8>{0.7347, 0.2653, 0, 1, 0.0001, -0.077, 0.32168, 0.33767}}) {
+    std::vector<float> planes{inf, inf, 5, nan,   // R
+                              inf, 5,   5, -inf,  // G
+                              inf, 5,   5, inf};  // B
+    transform_planes(xyz_of_primaries(xy), planes);
+    for (std::size_t c = 0; c < 3; ++c) {
+      EXPECT_EQ(planes[4 * c], inf);
+      EXPECT_EQ(planes[4 * c + 1], inf);
+      EXPECT_TRUE(std::isfinite(planes[4 * c + 2]));
+      EXPECT_TRUE(std::isnan(planes[4 * c + 3]));
+    }
+  }
 }
 
 }  // namespace greenray

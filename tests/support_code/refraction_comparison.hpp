@@ -61,8 +61,9 @@ inline void compare_row(const ReferenceRow &row, const RefractionRow &got, const
 }
 
 /// Groups of rows with one profile and eye are one request of all their altitudes and wavelengths.
+/// section: by the adaptive solver for air that varies along the surface, though it does not.
 inline Worst compare_table(const std::string &file, Precision precision, RayMethod method,
-                           const std::string &profile_name = "", const Columns &columns = {}) {
+                           const std::string &profile_name = "", const Columns &columns = {}, bool section = false) {
   const ReferenceTable table(file);
   std::map<std::pair<std::string, double>, std::vector<const ReferenceRow *>> groups;
   for (const ReferenceRow &row : table.rows()) {
@@ -83,6 +84,7 @@ inline Worst compare_table(const std::string &file, Precision precision, RayMeth
     request.wavelengths_nm.assign(wavelengths.begin(), wavelengths.end());
     request.precision = precision;
     request.method = method;
+    request.section = section;
     request.tolerance_arcsec = precision == Precision::double_ ? 1e-5 : 0.02;
     const RefractionTable result = refraction_table(reference_profile(key.first), request, shared_device());
     EXPECT_EQ(result.rows.size(), altitudes.size() * wavelengths.size());

@@ -3,10 +3,12 @@
 
 #include <cmath>
 
+#include "image/colour.hpp"
 #include "image/picture_sink.hpp"
 #include "image/picture_source.hpp"
 #include "support/csv_table.hpp"
 #include "vision/bleaching.hpp"
+#include "vision/colour_difference.hpp"
 #include "vision/cones.hpp"
 #include "vision/eye_data.hpp"
 #include "vision/human_eye.hpp"
@@ -149,6 +151,30 @@ TEST(LowSun, EqualEnergyWhiteKeepsItsHueWhenAdapted) {
     if (adapted) EXPECT_LT(report.greener.largest_delta_e2000, 0.1);
     else EXPECT_GT(report.greener.largest_delta_e2000, 5);
   }
+}
+
+// oracle: the same white beside darkness, its glare all over the dark half: `adapted` takes the white for white, not
+// the
+//         faint light around it.  tolerance: 4 units of CIEDE2000 (3 of them from how the light falls towards its
+//         edge); a mean over all light, halo included, gives 30
+TEST(LowSun, WhiteBesideDarknessKeepsItsHueWhenAdapted) {
+  SpectralImage scene{64, 48, {}, {}, {}};
+  for (double nm = 390; nm <= 780; nm += 10) scene.wavelength_nm.push_back(nm);
+  for (std::size_t i = 0; i < scene.pixels(); ++i)
+    scene.radiance.insert(scene.radiance.end(), scene.wavelength_nm.size(), i % 64 < 32 ? 2.0F : 1e-4F);
+  const auto seen = [&](BleachingOptions::Exposure exposure) {
+    EyeOptions options;
+    options.bleaching.exposure = exposure;
+    options.bleaching.seconds = 10;
+    options.bleaching.model = BleachModel::adapted;
+    RgbImage picture;
+    const auto source = picture_source(scene, 10);
+    const auto sink = memory_sink(picture, 64, 48);
+    const EyeReport report = HumanEye(options).develop(*source, *sink);
+    EXPECT_EQ(report.least_unbleached[0] < 0.1, exposure != BleachingOptions::Exposure::off);
+    return lab_from_xyz(xyz_from_rgb(picture.pixel(24 * 64 + 16)));
+  };
+  EXPECT_LT(ciede2000(seen(BleachingOptions::Exposure::off), seen(BleachingOptions::Exposure::seconds)), 4);
 }
 
 // oracle: the equation stepped by classical Runge-Kutta in double at a film's 1/24 s; here the pixels' own floats carry
