@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "atmosphere/air_table_error.hpp"
 #include "support/error.hpp"
 
 namespace greenray {
@@ -205,68 +206,13 @@ class Builder {
   AirTable table_;
 };
 
-struct Start {
-  double height_m, elevation_rad;
-};
-
-/// Heights of a test path at sixteen even steps of sigma, arc by arc as on the device.
-std::vector<double> heights_on_path(const AirTable &table, const Start &start, double length_m) {
-  const int layers = static_cast<int>(table.layers.size());
-  const surface64::Air air{table.layers.data(), table.rows.data(), {layers, static_cast<int>(table.cells), 0, 0}};
-  const int row = static_cast<int>(table.wavelength_nm.size() / 2);
-  int layer = surface64::find_air_layer(&air, start.height_m);
-  const double n = std::sqrt(surface64::air_index2(&air, row, start.height_m));
-  surface64::AirSlab slab = surface64::air_slab(&air, row, layer);
-  surface64::Climb climb{start.height_m, n * std::sin(start.elevation_rad), surface64::lift_at(&slab, start.height_m)};
-  const double step = length_m / n / 16;
-  double sigma = 0;
-  std::vector<double> heights;
-  for (int i = 0; i < 20000 && heights.size() < 16; ++i) {
-    const double z = climb.z, bottom = layer > 0 ? slab.layer.bottom_m : -huge_m;
-    const surface64::Rise r = surface64::next_rise(&slab, bottom, slab.top_m, 17 * step - sigma, climb);
-    climb = r.end;
-    while (heights.size() < 16 && step * static_cast<double>(heights.size() + 1) <= sigma + r.sigma) {
-      const double along = step * static_cast<double>(heights.size() + 1) - sigma;
-      heights.push_back(z + (r.rise + r.bend * along) * along);
-    }
-    sigma += r.sigma;
-    if (r.step == 0) continue;
-    layer += r.step;
-    slab = surface64::air_slab(&air, row, layer);
-    climb.lift = surface64::lift_at(&slab, climb.z);
-  }
-  heights.resize(16, climb.z);
-  return heights;
-}
-
-/// From between the kinks, level to steep, up and down. (A level path on a kink itself may go either way.)
-std::vector<Start> test_fan(const std::vector<Band> &bands) {
-  std::vector<Start> fan;
+/// Kinks and the top.
+std::vector<double> edges_of(const std::vector<Band> &bands) {
   std::vector<double> edges;
   for (const Band &b : bands)
     if (b.starts_at_kink) edges.push_back(b.low_m);
   if (!bands.empty()) edges.push_back(bands.back().high_m);
-  for (std::size_t i = 0; i + 1 < edges.size(); ++i)
-    for (const double t : {0.05, 0.21, 0.5, 0.83, 0.95})
-      for (const double degrees : {0.0, 0.3, 1.0, 3.0, 8.0, 20.0, 45.0, 75.0})
-        for (const double sign : {1.0, -1.0})
-          fan.push_back({edges[i] + t * (edges[i + 1] - edges[i]), sign * degrees * M_PI / 180});
-  return fan;
-}
-
-double largest_difference(const AirTable &coarse, const AirTable &fine, const std::vector<Start> &fan,
-                          double length_m) {
-  double worst = 0;
-  constexpr double nudge_rad = 1e-6;
-  for (const Start &start : fan) {
-    const auto a = heights_on_path(coarse, start, length_m), b = heights_on_path(fine, start, length_m);
-    const auto c = heights_on_path(fine, {start.height_m, start.elevation_rad + nudge_rad}, length_m);
-    for (std::size_t i = 0; i < a.size(); ++i) {
-      const double amplified = std::abs(c[i] - b[i]) / nudge_rad / length_m;
-      worst = std::max(worst, std::abs(a[i] - b[i]) / std::max(1.0, amplified));
-    }
-  }
-  return worst;
+  return edges;
 }
 
 }  // namespace
@@ -275,14 +221,14 @@ AirTable build_air_table(const LayeredMedium &medium, const std::vector<double> 
                          const AirTableOptions &options) {
   Builder builder(medium, wavelength_nm, options);
   const std::vector<Band> bands = builder.bands();
-  const std::vector<Start> fan = test_fan(bands);
+  const std::vector<TestPath> fan = test_fan(edges_of(bands));
   Precision precision{0.5 * options.error_m / (options.length_m * options.length_m), 0.5 * options.error_m};
   const double least = 1e-4 * options.error_m;
   AirTable table;
   for (;; precision.lift_per_m /= 4, precision.arc_m /= 4) {
     table = builder.build(bands, precision, 1);
     const AirTable finer = builder.build(bands, {precision.lift_per_m, precision.arc_m / 256}, 4);
-    table.error_m = largest_difference(table, finer, fan, options.length_m);
+    table.error_m = largest_difference_m(table, finer, fan, options.length_m);
     if (table.error_m <= options.error_m || precision.arc_m < least) break;
   }
   for (std::size_t l = 0; l < table.layers.size(); ++l)

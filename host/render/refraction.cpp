@@ -152,10 +152,6 @@ RefractionRow make_row(const RefractionRequest &request, std::size_t i, const f6
   return row;
 }
 
-}  // namespace
-
-namespace {
-
 /// What the two settings of an estimate may have in common. Errors of single layers add up: over 4000 rows of hard
 /// cases (tests/hard_cases) to at most eleven times that of one. Steps from above the air land on its top to their
 /// tolerance.

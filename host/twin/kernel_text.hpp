@@ -6,8 +6,6 @@
 #include "shared/layers.h"
 #include "shared/probe.h"
 #include "shared/sky.h"
-#define SCALAR_ROOT std::sqrt
-#define SCALAR_SINE std::sin
 #include "sky/sky.h"
 
 #include "ray/closed_form.h"
@@ -16,23 +14,4 @@
 
 #include "ray/closed_form_place.h"
 
-#undef DEVICE
-#undef GLOBAL
-#undef CONSTANT
-#undef SPREAD
-#undef SPREAD_INT
-#undef R
-#undef LANE
-#undef LANE_INT
-#undef INDEX_CELL_TEXELS
-#undef INDEX_CELL_SCALARS
-#undef INDEX_TABLE
-#undef PROBE_VALUES
-#undef SCALAR_ROOT
-#undef SCALAR_SINE
-#undef LAYER_QUANTITIES_SUMMED
-#undef LIMB_TERMS
-#undef ROUNDING
-#undef LANDING
-#undef SMALLEST
-#undef INTEGRATOR_STEP
+#include "twin/undo_macros.hpp"

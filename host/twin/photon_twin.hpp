@@ -21,17 +21,6 @@ namespace greenray::photon_twin {
 
 #include "map/grid.h"
 }  // namespace greenray::photon_twin
+#include "twin/undo_macros.hpp"
 #undef LANES
 #undef REAL_IS_DOUBLE
-#undef DEVICE
-#undef GLOBAL
-#undef CONSTANT
-#undef SPREAD
-#undef SPREAD_INT
-#undef R
-#undef LANE
-#undef LANE_INT
-#undef LANE_NUMBERS
-#undef SCALAR_MATH
-#undef TWO_PI
-#undef BEYOND_CELLS

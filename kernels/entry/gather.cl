@@ -23,9 +23,9 @@
 
 #include "map/nearest.h"
 
-#define MAP_ARGUMENTS                                                                                                  \
+#define MAP_ARGUMENTS                                                                                                \
   __global const int *cell_start, __global const float *boxes, __global const float *x_m, __global const float *y_m, \
-      __global const float *z_m, __global const int *normal, __global const float *power_W, const int stride,          \
+      __global const float *z_m, __global const int *normal, __global const float *power_W, const int stride,        \
       const PhotonGrid grid
 #define MAP \
   { cell_start, boxes, x_m, y_m, z_m, normal, power_W, stride }
@@ -42,7 +42,8 @@ __kernel void gather_radius(MAP_ARGUMENTS, ANSWERS, __global const float *radius
     const Asking question = asking(&point, &settings);
     const float radius = settings.radius_m > 0 ? settings.radius_m : radius_m[i];
     GatherSpread spread;
-    gathered[i].count = gather_within(&map, &grid, &question, scalar_smaller(radius * radius, HUGE_F), irradiance_W_m2 + i * WAVES, &spread);
+    gathered[i].count = gather_within(&map, &grid, &question, scalar_smaller(radius * radius, HUGE_F),
+                                      irradiance_W_m2 + i * WAVES, &spread);
     gathered[i].radius_m = radius;
     spreads[i] = spread;
   }

@@ -3,8 +3,6 @@
 #include "lib/language.h"
 #include "lib/random.h"
 #include "shared/sky.h"
-#define SCALAR_ROOT sqrt
-#define SCALAR_SINE sin
 #include "sky/sky.h"
 
 __kernel void shade_sky(__global const float *table, __global const float *limb, __global float *spectra,
@@ -16,23 +14,32 @@ __kernel void shade_sky(__global const float *table, __global const float *limb,
   real sum[SKY_WAVES / LANES];
   for (int g = 0; g < SKY_WAVES / LANES; ++g) sum[g] = SPREAD(0);
   float mean = 0.0f, square = 0.0f;
-  for (int s = 0; s < view.samples; ++s) {
-    float x, y;
-    sample_place(&view, column, row, view.first_sample + s, &x, &y);
-    const SkyDirection d = view_direction(&view, x, y);
-    const float at =
-        clamp((d.elevation_rad - view.first_elevation_rad) * view.entries_per_rad, 0.0f, (float)(view.entries - 1));
-    const int entry = min((int)at, view.entries - 2);
-    real band = SPREAD(0);
-    for (int g = 0; g < SKY_WAVES / LANES; ++g) {
-      const real radiance = sky_radiance(&view, table, limb, waves, g * LANES, entry, at - (float)entry, d.azimuth_rad);
-      sum[g] += radiance;
-      band += radiance;
+  for (int first = 0; first < view.samples; first += LANES) {
+    real x = SPREAD(0), y = SPREAD(0); /* a sample a lane: where it looks; then each in turn, a wavelength a lane */
+    for (int i = 0; i < LANES; ++i) {
+      float sample_x, sample_y;
+      sample_place(&view, column, row, view.first_sample + first + i, &sample_x, &sample_y);
+      LANE(x, i) = sample_x;
+      LANE(y, i) = sample_y;
     }
-    float total = 0.0f;
-    for (int i = 0; i < LANES; ++i) total += LANE(band, i);
-    mean += total;
-    square += total * total;
+    const SkyDirection d = view_direction(&view, x, y);
+    const real half_azimuth = sine_half_from_sun(&view, d.azimuth_rad);
+    for (int i = 0; i < min(LANES, view.samples - first); ++i) {
+      const float at = clamp((LANE(d.elevation_rad, i) - view.first_elevation_rad) * view.entries_per_rad, 0.0f,
+                             (float)(view.entries - 1));
+      const int entry = min((int)at, view.entries - 2);
+      real band = SPREAD(0);
+      for (int g = 0; g < SKY_WAVES / LANES; ++g) {
+        const real radiance =
+            sky_radiance(&view, table, limb, waves, g * LANES, entry, at - (float)entry, LANE(half_azimuth, i));
+        sum[g] += radiance;
+        band += radiance;
+      }
+      float total = 0.0f;
+      for (int k = 0; k < LANES; ++k) total += LANE(band, k);
+      mean += total;
+      square += total * total;
+    }
   }
   const bool more = view.first_sample > 0;
   for (int g = 0; g < SKY_WAVES / LANES; ++g) {

@@ -88,3 +88,7 @@ DEVICE int lane_count(mask counts) { FOLD_LANES(int, counts, SUM_OF); }
 DEVICE float lane_largest(real v) { FOLD_LANES(float, v, LARGER_OF); }
 DEVICE int lane_least(mask m) { FOLD_LANES(int, m, SMALLER_OF); }
 DEVICE float lane_smallest(real v) { FOLD_LANES(float, v, SMALLER_OF); }
+#undef FOLD_LANES
+#undef SUM_OF
+#undef LARGER_OF
+#undef SMALLER_OF

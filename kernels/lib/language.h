@@ -107,6 +107,13 @@ DEVICE void store_bytes(unsigned char *p, mask m) {
 }
 #endif
 
+/* Asks for a place in memory that will soon be read or written: a hint, for devices where the build says so. */
+#if defined(WITH_FETCH_EARLY) && WITH_FETCH_EARLY
+#define FETCH_EARLY(pointer) __builtin_prefetch((const void *)(size_t)(pointer))
+#else
+#define FETCH_EARLY(pointer) (void)0
+#endif
+
 #define R(x) ((scalar)(x))
 #define LANE(v, i) (((scalar *)&(v))[i])
 #define LANE_INT(m, i) (((lane_int *)&(m))[i])

@@ -85,8 +85,7 @@ DEVICE void enter_node(Walk *walk, int level, int node, float x, float y, float 
     return;
   }
   walk->open[level] = 0;
-  for (int c = 0; c < FAN; c += LANES)
-    walk->open[level] |= lane_bits(box_distances2(boxes + c, x, y, z) < limit2) << c;
+  for (int c = 0; c < FAN; c += LANES) walk->open[level] |= lane_bits(box_distances2(boxes + c, x, y, z) < limit2) << c;
 }
 
 DEVICE void start_walk(Walk *walk, GLOBAL const float *boxes, int begin, int end, float x, float y, float z,

@@ -118,6 +118,7 @@ DEVICE ChunkOrder deal_chunk(const SortPlan *plan, const PhotonGrid *grid, GLOBA
 #if WAVES <= 2
     for (int w = 0; w < WAVES; ++w) power[w] = power_W[i * WAVES + w];
 #endif
+    FETCH_EARLY(moved + to + 2); /* the bucket's next cache line */
     move_photon(moved + to, photons + i, i, cell, power);
   }
   return order;

@@ -6,7 +6,7 @@ typedef struct Crowd {
   Rows rows;
   int bits;            /* crowded rows among `rows` that are still to be met */
   int cell, cell_last; /* cells of the row cell .. cell_last - 1 */
-  int nearest_first; /* blocks of a dense cell */
+  int nearest_first;   /* blocks of a dense cell */
   int in_walk;
   Walk walk;       /* of a dense cell */
   int first, last; /* photons first .. last - 1 */

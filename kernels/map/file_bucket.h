@@ -52,8 +52,12 @@ DEVICE void sort_bucket(const SortPlan *plan, GLOBAL const MovedPhoton *moved, G
   if (bucket == 0) cell_start[0] = 0;
   for (int k = low; k < high; ++k) next[k] = 0;
   for (int c = 0; c < plan->chunks; ++c) {
-    const int last = starts[c * plan->row + bucket + 1];
-    for (int i = starts[c * plan->row + bucket]; i < last; ++i) ++next[moved[i].cell];
+    const int begin = starts[c * plan->row + bucket], last = starts[c * plan->row + bucket + 1];
+    const int ahead = (c + 1 < plan->chunks ? starts[(c + 1) * plan->row + bucket] : begin) - begin;
+    for (int i = begin; i < last; ++i) {
+      FETCH_EARLY(moved + i + ahead); /* the next piece */
+      ++next[moved[i].cell];
+    }
   }
   int sum = filed;
   for (int k = low; k < high; ++k) {

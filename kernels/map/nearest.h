@@ -38,7 +38,7 @@ typedef struct Distances {
   const Asking *asking;
   int k;
   float limit2;     /* what is not below is not looked at */
-  int limit_is_kth; /* of what was struck out, k - 1 are in the list, and limit2 is the next */
+  int limit_is_kth; /* limit2 is the k-th of those met so far; fewer than k are below it */
   int count;        /* distances below limit2 */
   mask counts;      /* while they are listed */
   int groups;       /* of LANES distances in the list; more than NEAR_GROUPS: there is no list */

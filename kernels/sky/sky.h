@@ -1,30 +1,37 @@
 /* Light of one direction: the Sun's darkened disk, seen through the transfer table, over the glow of sky or sea. */
 
 #ifdef __OPENCL_C_VERSION__
-DEVICE float angle_of(float y, float x) { return atan2(y, x); }
+DEVICE real angle_of(real y, real x) { return atan2(y, x); }
 #else
-DEVICE float angle_of(float y, float x) { return std::atan2(y, x); }
+DEVICE real angle_of(real y, real x) {
+  for (int i = 0; i < LANES; ++i) LANE(y, i) = std::atan2(LANE(y, i), LANE(x, i));
+  return y;
+}
 #endif
 
 typedef struct SkyDirection {
-  float elevation_rad, azimuth_rad; /* azimuth from the picture's centre, clockwise */
+  real elevation_rad, azimuth_rad; /* azimuth from the picture's centre, clockwise */
 } SkyDirection;
 
-/* Direction of a place in the picture (pixels, rectilinear projection). */
-DEVICE SkyDirection view_direction(const SkyView *v, float column, float row) {
-  const float right = (column - v->centre_column) * v->pixel_tangent;
-  const float up = (v->centre_row - row) * v->pixel_tangent;
-  const float forward = v->cos_altitude - up * v->sin_altitude;
-  const float height = v->sin_altitude + up * v->cos_altitude;
+/* Directions of places in the picture (pixels, rectilinear projection), a place a lane. */
+DEVICE SkyDirection view_direction(const SkyView *v, real column, real row) {
+  const real right = (column - v->centre_column) * v->pixel_tangent;
+  const real up = (v->centre_row - row) * v->pixel_tangent;
+  const real forward = v->cos_altitude - up * v->sin_altitude;
+  const real height = v->sin_altitude + up * v->cos_altitude;
   SkyDirection d;
   d.azimuth_rad = angle_of(right, forward);
-  d.elevation_rad = angle_of(height, SCALAR_ROOT(forward * forward + right * right));
+  d.elevation_rad = angle_of(height, root(forward * forward + right * right));
   return d;
 }
 
+/* sin(d/2) of the azimuth d from the Sun. */
+DEVICE real sine_half_from_sun(const SkyView *v, real azimuth_rad) {
+  return sine(0.5f * (azimuth_rad - v->sun_azimuth_rad));
+}
+
 /* Square of the chord 2 sin(d/2) between a point at true altitude sun + from_sun and the Sun's centre. */
-DEVICE real chord2_from_sun(const SkyView *v, real from_sun, float azimuth_rad) {
-  const float half_azimuth = SCALAR_SINE(0.5f * (azimuth_rad - v->sun_azimuth_rad));
+DEVICE real chord2_from_sun(const SkyView *v, real from_sun, float half_azimuth) {
   /* cos(a + d) to second order; d is large only where the disk is far. */
   const real cos_there = v->sun_cos_altitude - from_sun * (v->sun_sin_altitude + 0.5f * from_sun * v->sun_cos_altitude);
   const real vertical = from_sun * (1.0f - from_sun * from_sun * (1.0f / 24.0f));
@@ -46,9 +53,10 @@ DEVICE real aureole(real chord2, float g) {
   return R(0.0795774715) * (1.0f - g * g) / (denominator * root(denominator));
 }
 
-/* Radiance of wavelengths wave .. wave + LANES - 1 in a direction, between entries i and i + 1. */
+/* Radiance of wavelengths wave .. wave + LANES - 1 in a direction, between entries i and i + 1.
+   half_azimuth: sine_half_from_sun of it */
 DEVICE real sky_radiance(const SkyView *v, GLOBAL const float *table, GLOBAL const float *limb, int waves, int wave,
-                         int entry, float fraction, float azimuth_rad) {
+                         int entry, float fraction, float half_azimuth) {
   GLOBAL const float *here = table + (entry * SKY_CHANNEL_COUNT) * waves + wave;
   GLOBAL const float *next = here + SKY_CHANNEL_COUNT * waves;
   const real joined = load_lanes(here + SKY_JOINED * waves);
@@ -59,7 +67,7 @@ DEVICE real sky_radiance(const SkyView *v, GLOBAL const float *table, GLOBAL con
     const real a = load_lanes(here + c * waves), b = load_lanes(next + c * waves);
     value[c] = a + f * (b - a);
   }
-  const real chord2 = chord2_from_sun(v, value[SKY_FROM_SUN], azimuth_rad);
+  const real chord2 = chord2_from_sun(v, value[SKY_FROM_SUN], half_azimuth);
   return value[SKY_SUN] * sun_disk(chord2, v->sun_radius_rad, limb, waves, wave) + value[SKY_GLOW] +
          value[SKY_AUREOLE] * aureole(chord2, v->phase_asymmetry);
 }

@@ -1,8 +1,9 @@
 /* What mirrors, glass and rough surfaces do to a path of WAVES wavelengths, for photons and for the eye alike: with
    L/n^2 carried along, both obey the same probabilities.
 
-   Reflection or refraction is drawn by Fresnel's reflectance; a bundle whose wavelengths part is split: one of them is
-   drawn, carries WAVES times its weight and goes on alone. */
+   Reflection or refraction is drawn by Fresnel's reflectance of the leading wavelength. Where wavelengths part, beyond
+   dispersing glass, the bundle is split: the leader carries WAVES times its weight and goes on alone. Reflected they
+   stay together. */
 
 typedef struct Bundle {
   scalar weight[WAVES]; /* power, or throughput */
@@ -49,10 +50,25 @@ DEVICE int scatter_reflecting(const Looks *looks, const Material *m, const scala
   return 1;
 }
 
+/* Of a bundle that dispersing glass reflects, whichever wavelength led: the drawn probability is the mean reflectance of
+   all of them (balance heuristic of Veach & Guibas, "Optimally combining sampling techniques", SIGGRAPH 1995), so that
+   no weight grows by more than WAVES beside the angle of total reflection. */
+DEVICE void reflect_bundle(GLOBAL const scalar *glass, int from_outside, scalar index_outside, scalar cosine,
+                           Bundle *b) {
+  scalar reflected[WAVES], sum = R(0), unused;
+  for (int w = 0; w < WAVES; ++w) {
+    const scalar over = glass[w] / index_outside;
+    reflected[w] = fresnel_dielectric(cosine, from_outside ? over : R(1) / over, &unused);
+    sum += reflected[w];
+  }
+  for (int w = 0; w < WAVES; ++w) b->weight[w] *= reflected[w] * (scalar)WAVES / sum;
+}
+
 /* Into or out of glass. index_before, index_beyond: n of the hero on this side and on the other.
-   returns: 0 if the path ends; *passes: 1 if it goes through */
-DEVICE int scatter_glass(const Material *m, Vec3 normal, scalar index_before, scalar index_beyond, RandomWords words,
-                         Vec3 *direction, Bundle *b, int *passes) {
+   glass: n by wavelength.  returns: 0 if the path ends; *passes: 1 if it goes through */
+DEVICE int scatter_glass(const Material *m, GLOBAL const scalar *glass, int from_outside, Vec3 normal,
+                         scalar index_before, scalar index_beyond, RandomWords words, Vec3 *direction, Bundle *b,
+                         int *passes) {
   const Vec3 back = times(*direction, R(-1));
   const int rough = m->kind == MATERIAL_ROUGH_DIELECTRIC;
   const Vec3 h = rough ? facet_normal(normal, back, m->roughness, words) : normal;
@@ -61,6 +77,10 @@ DEVICE int scatter_glass(const Material *m, Vec3 normal, scalar index_before, sc
   scalar cos_beyond;
   const scalar reflected = fresnel_dielectric(cosine, index, &cos_beyond);
   *passes = !(R(unit_interval(words.word[0])) < reflected);
+  if (m->disperses && !b->split) {
+    if (*passes) split_bundle(b);
+    else reflect_bundle(glass, from_outside, from_outside ? index_before : index_beyond, cosine, b);
+  }
   const Vec3 out = unit3(*passes ? refracted(*direction, h, cosine, index, cos_beyond) : mirrored(*direction, h));
   const scalar cosine_out = *passes ? -dot3(out, normal) : dot3(out, normal), cosine_in = dot3(back, normal);
   if (!(cosine_out > R(0)) || !(cosine_in > R(0))) return 0;
@@ -86,10 +106,9 @@ DEVICE int scatter_specular(const Geometry *g, const Air *air, const Looks *look
   scalar index_after = index_before;
   int passes = 0;
   if (m.kind == MATERIAL_DIELECTRIC || m.kind == MATERIAL_ROUGH_DIELECTRIC) {
-    if (m.disperses) split_bundle(b);
-    const scalar beyond =
-        from_outside ? looks->spectra[m.index * WAVES + b->hero] : scalar_root(air_index2(air, b->hero, hit->place.z));
-    if (!scatter_glass(&m, normal, index_before, beyond, words, &direction, b, &passes)) return 0;
+    GLOBAL const scalar *glass = looks->spectra + m.index * WAVES;
+    const scalar beyond = from_outside ? glass[b->hero] : scalar_root(air_index2(air, b->hero, hit->place.z));
+    if (!scatter_glass(&m, glass, from_outside, normal, index_before, beyond, words, &direction, b, &passes)) return 0;
     if (passes) {
       index_after = beyond;
       path->inside_glass = from_outside;

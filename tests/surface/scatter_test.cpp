@@ -52,7 +52,8 @@ Sampled sample(int kind, double alpha, const Vec3 &back, int count, double index
     int passes = 0;
     const int goes_on = kind == MATERIAL_ROUGH_CONDUCTOR
                             ? scatter_reflecting(&looks, &m, white, normal, words, &direction, &b)
-                            : scatter_glass(&m, normal, 1, static_cast<float>(index), words, &direction, &b, &passes);
+                            : scatter_glass(&m, spectra.data(), 1, normal, 1, static_cast<float>(index), words,
+                                            &direction, &b, &passes);
     const double weight = goes_on ? static_cast<double>(b.weight[0]) : 0;
     (passes ? out.passed : out.reflected) += weight / count;
     out.paths.push_back(
@@ -127,6 +128,51 @@ TEST(RoughSurface, GlassKeepsEnergyAndTendsToFresnel) {
         EXPECT_NEAR(s.reflected, reflected, 0.005) << elevation << " " << index;
         EXPECT_NEAR(s.reflected + s.passed, 1, 0.005);
       }
+}
+
+/// Born & Wolf, section 1.5.2, in double; 1 beyond the angle of total reflection.
+double fresnel(double cosine, double index) {
+  const double sine2 = (1 - cosine * cosine) / (index * index);
+  if (sine2 >= 1) return 1;
+  const double beyond = std::sqrt(1 - sine2);
+  const double across = (cosine - index * beyond) / (cosine + index * beyond),
+               within = (index * cosine - beyond) / (index * cosine + beyond);
+  return 0.5 * (across * across + within * within);
+}
+
+// oracle: every wavelength is reflected by its own Fresnel share and the rest goes through, whichever one leads; what
+// is
+//         reflected stays together, what goes through is one alone. From inside at a cosine of 0.65 some of the
+//         wavelengths are reflected totally and others are not
+// tolerance: 5 standard errors of weights up to 8: 5 (8/300000)^(1/2) = 0.026
+TEST(DispersingGlass, WavelengthsStayTogetherWhereTheyAreReflected) {
+  Material m{};
+  m.kind = MATERIAL_DIELECTRIC, m.disperses = 1, m.texture = m.absorption = -1;
+  std::vector<float> glass;
+  for (int w = 0; w < 8; ++w) glass.push_back(1.2f + 0.05f * static_cast<float>(w));
+  constexpr int count = 300000;
+  for (const auto &[from_outside, cosine] : {std::pair{1, 0.9}, {1, 0.15}, {0, 0.9}, {0, 0.65}}) {
+    double reflected[8] = {}, passed[8] = {};
+    const Vec3 normal = vec3(0, 0, 1);
+    for (int i = 0; i < count; ++i) {
+      const RandomWords words = photon_words(6, 0, static_cast<unsigned>(i), 1, 2);
+      Bundle b{};
+      for (float &w : b.weight) w = 1;
+      b.hero = i % 8;
+      Vec3 direction = vec3(static_cast<float>(std::sqrt(1 - cosine * cosine)), 0, static_cast<float>(-cosine));
+      int passes = 0;
+      const float inside = glass[static_cast<std::size_t>(b.hero)];
+      ASSERT_TRUE(scatter_glass(&m, glass.data(), from_outside, normal, from_outside ? 1 : inside,
+                                from_outside ? inside : 1, words, &direction, &b, &passes));
+      EXPECT_EQ(b.split, passes);
+      for (std::size_t w = 0; w < 8; ++w) (passes ? passed : reflected)[w] += static_cast<double>(b.weight[w]) / count;
+    }
+    for (std::size_t w = 0; w < 8; ++w) {
+      const double n = static_cast<double>(glass[w]), share = fresnel(cosine, from_outside ? n : 1 / n);
+      EXPECT_NEAR(reflected[w], share, 0.026) << from_outside << " " << cosine << " " << w;
+      EXPECT_NEAR(passed[w], 1 - share, 0.026) << from_outside << " " << cosine << " " << w;
+    }
+  }
 }
 
 }  // namespace
