@@ -234,7 +234,7 @@ def trace_in_space(air, eye_m, altitude_deg, nm, azimuth_deg=0.0, rtol=3e-14):
     q = s.y[3:6, -1]
     q = q / math.sqrt(q @ q)
     end_e = math.atan2(q @ up, q @ forward)
-    status = "ground" if len(s.t_events[0]) else "space"
+    status = "ground" if len(s.t_events[0]) else "space" if len(s.t_events[1]) else "in-flight"
     return dict(status=status, refraction_arcsec=math.degrees(e - end_e) * 3600,
                 sideways_arcsec=math.degrees(math.asin(q @ side)) * 3600)
 
@@ -300,6 +300,8 @@ def write_sideways():
         for azimuth in (0, 2, -10, 45, 90, 135, 180):
             for altitude in altitudes:
                 r = trace_in_space(air, eye, altitude, 550, azimuth)
+                if r["status"] == "in-flight":   # held by a duct
+                    continue
                 near = [trace_in_space(air, eye, altitude + d, 550, azimuth, 1e-12) for d in (-1e-6, 1e-6)]
                 slope = (near[1]["refraction_arcsec"] - near[0]["refraction_arcsec"]) / 7.2e-3
                 rows.append(f"{name},{eye},{altitude},550,{azimuth},{r['status']},{r['refraction_arcsec']:.7f},"

@@ -50,13 +50,15 @@ TYPED_TEST(SectionClosedForm, ParabolasInALinearFieldOfTheSquareOfTheIndex) {
   // oracle: d2r/dsigma2 = grad(n^2)/2 is constant: x = q s + along s^2/4, h = h0 + p s + up s^2/4, and the direction
   // from
   //         (q + along s/2, p + up s/2); path = integral of n^2 ds
-  // tolerance: double 1e-8 m and 1e-9 rad (table 1e-3 arcsec for grazing rays of a sphere of 10000 km; these cross it);
-  //            float 2e-5 m of 60 m, 2e-6 rad of a bending of 0.2
+  // tolerance: double 1e-6 m and 2e-8 rad, the table's error (0.01 arcsec over 20 km); float 5e-4 m and 1e-5 rad of a
+  //            bending of 0.2, 6e-4 m of path: n - 1 of 0.1 needs hundreds of cells, the paper's stepping thousands of
+  //            steps, and each rounds
   const double up = 0.004, along = 0.003, reach_m = 60, eye_m = 5;
-  const SectionTable table = build_section_table(sloping(up, along, reach_m), {550}, {1e-3, eye_m});
+  const SectionTable table = build_section_table(sloping(up, along, reach_m), {550}, {0.01, eye_m});
   for (Integrator integrator : {Integrator::dormand_prince, Integrator::richardson}) {
     TraceOptions options = options_for(TypeParam::precision);
     options.integrator = integrator;
+    options.max_steps = 1000000;
     if (integrator == Integrator::richardson && TypeParam::is_double) options.tolerance_rad = 1e-12;
     std::vector<f64_section::RayStart> starts;
     for (int i = 0; i < 37; ++i) starts.push_back(launch(table, 0, {0, eye_m}, to_rad(1 + i), 0, 40.0));
@@ -73,12 +75,12 @@ TYPED_TEST(SectionClosedForm, ParabolasInALinearFieldOfTheSquareOfTheIndex) {
       ASSERT_EQ(ends[i].outcome, f64_section::RAY_IN_FLIGHT) << i;
       const f64::RayEnd end = plain(ends[i], table);
       const double q1 = q + along * s / 2, p1 = p + up * s / 2;
-      EXPECT_NEAR(end.above_m, h, TypeParam::is_double ? 1e-8 : 2e-5) << i;
-      EXPECT_NEAR(std::atan2(end.rise, end.run), std::atan2(p1, q1), TypeParam::is_double ? 1e-9 : 2e-6) << i;
-      EXPECT_NEAR(end.bending_rad, e - std::atan2(p1, q1), TypeParam::is_double ? 1e-9 : 2e-6) << i;
+      EXPECT_NEAR(end.above_m, h, TypeParam::is_double ? 1e-6 : 5e-4) << i;
+      EXPECT_NEAR(std::atan2(end.rise, end.run), std::atan2(p1, q1), TypeParam::is_double ? 2e-8 : 1e-5) << i;
+      EXPECT_NEAR(end.bending_rad, e - std::atan2(p1, q1), TypeParam::is_double ? 2e-8 : 1e-5) << i;
       const double path = n2 * s + (p * up + q * along) * s * s / 2 + (up * up + along * along) * s * s * s / 12;
-      EXPECT_NEAR(end.optical_path_m, path, TypeParam::is_double ? 1e-8 : 2e-5) << i;
-      EXPECT_LT(end.bouguer_drift, TypeParam::is_double ? 1e-11 : 2e-6) << i;
+      EXPECT_NEAR(end.optical_path_m, path, TypeParam::is_double ? 1e-6 : 6e-4) << i;
+      EXPECT_LT(end.bouguer_drift, TypeParam::is_double ? 1e-8 : 2e-5) << i;
     }
     EXPECT_GT(in_flight, 25);
   }
