@@ -36,8 +36,8 @@ struct RefractionRow {
 struct RefractionTable {
   std::vector<RefractionRow> rows;  // altitudes outermost, in the order given
   std::size_t cells_per_row = 0;
-  double table_bound_arcsec = 0;        // above the tolerance when a layer is too thin for the table
-  double error_arcsec = 0;              // largest estimate over rows with status space
+  double table_bound_arcsec = 0;  // above the tolerance when a layer is too thin for the table
+  double error_arcsec = 0;        // largest estimate over rows with status space
   /// Of air that varies: the largest error of rays that reach space, by the finer setting, that the table causes, and
   /// what the device's steps and rounding add to it; over max(1, |dR/da|).
   std::optional<double> measured_table_arcsec, measured_solver_arcsec;

@@ -102,7 +102,7 @@ struct RoomScene {
   EyeScene eye;
   OutputScene output;
   std::vector<std::string> aovs;
-  std::int64_t photon_map = 0;  // photons in a picture of the photon map; 0: no such picture
+  std::int64_t photon_map = 0;     // photons in a picture of the photon map; 0: no such picture
   std::vector<SweepScene> sweeps;  // used by `greenray batch`
   std::vector<std::string> notes;
 };

@@ -50,9 +50,9 @@ DEVICE int scatter_reflecting(const Looks *looks, const Material *m, const scala
   return 1;
 }
 
-/* Of a bundle that dispersing glass reflects, whichever wavelength led: the drawn probability is the mean reflectance of
-   all of them (balance heuristic of Veach & Guibas, "Optimally combining sampling techniques", SIGGRAPH 1995), so that
-   no weight grows by more than WAVES beside the angle of total reflection. */
+/* Of a bundle that dispersing glass reflects, whichever wavelength led: the drawn probability is the mean reflectance
+   of all of them (balance heuristic of Veach & Guibas, "Optimally combining sampling techniques", SIGGRAPH 1995), so
+   that no weight grows by more than WAVES beside the angle of total reflection. */
 DEVICE void reflect_bundle(GLOBAL const scalar *glass, int from_outside, scalar index_outside, scalar cosine,
                            Bundle *b) {
   scalar reflected[WAVES], sum = R(0), unused;
