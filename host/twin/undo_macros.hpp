@@ -40,6 +40,7 @@
 #undef FETCH_EARLY
 #undef SUB
 #undef DENSE
+#undef SECTION_CELL_SCALARS
 #undef INDEX_CELL_TEXELS
 #undef INDEX_CELL_SCALARS
 #undef INDEX_TABLE
