@@ -43,6 +43,25 @@ TEST_F(Batch, MakesThePicturesThatRenderMakes) {
   EXPECT_EQ(listing(folder / "b").size(), 10U) << "three pictures of three files, and the sheet";
 }
 
+// oracle: `render` of the same value: a key that bends the rays of sight must not take those of the frame before
+// tolerance: none, byte for byte
+TEST_F(Batch, SharesNoRaysThatDiffer) {
+  for (const std::string key : {"observer.height_m", "observer.altitude_deg", "tracing.table_arcsec",
+                                "atmosphere.exaggerate", "atmosphere.radius_km"}) {
+    const std::string last = key == "atmosphere.radius_km" ? "3000" : key == "observer.altitude_deg" ? "0.4" : "0.5";
+    write(folder / "k.toml",
+          std::string(small_scene) + "[[sweep]]\nkey = \"" + key + "\"\nvalues = [1, " + last + "]\n");
+    if (key == "atmosphere.radius_km")
+      write(folder / "k.toml", std::string(small_scene) + "[[sweep]]\nkey = \"" + key + "\"\nvalues = [6371, 3000]\n");
+    ASSERT_EQ(run({"batch", "k.toml", "-o", "k", "-q", "-D", "sun.altitude_deg=-0.3"}).code, 0) << key;
+    ASSERT_EQ(
+        run({"render", "k.toml", "-D", "sun.altitude_deg=-0.3", "-D", key + "=" + last, "-o", "one.exr", "-q"}).code,
+        0);
+    EXPECT_EQ(contents(folder / "k/k-0002.png"), contents(folder / "one.png")) << key;
+    fs::remove_all(folder / "k");
+  }
+}
+
 // oracle: the page for users: jobs already done are skipped; a changed key, flag or lost file makes a picture anew
 // tolerance: none
 TEST_F(Batch, SkipsWhatIsDone) {
