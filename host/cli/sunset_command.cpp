@@ -55,7 +55,10 @@ Json as_json(const Scene &scene, const SunsetFigures &f) {
            {"folds", folds},
            {"sun", sun_json(f)},
            {"lowest_true_altitude_deg",
-            {{"500", or_null(f.last_500_deg)}, {"560", or_null(f.last_560_deg)}, {"650", or_null(f.last_650_deg)}}},
+            {{"500", or_null(f.last_500_deg)},
+             {"550", or_null(f.last_550_deg)},
+             {"560", or_null(f.last_560_deg)},
+             {"650", or_null(f.last_650_deg)}}},
            {"curve_arcsec", f.curve_arcsec},
            {"flash", Json()}};
   if (f.flash)

@@ -267,6 +267,11 @@ SunsetFigures sunset_figures(const Scene &scene, const std::shared_ptr<Device> &
   figures.sky = sky_bands(curve, green);
   figures.folds = folds_of(curve, green);
   const SunPlace place = place_of_sun(scene, reference_ray(scene, air));
+  const auto lowest_deg = [&](double nm) {
+    const auto rad = lowest_true_rad(curve, row_of(curve, nm));
+    return rad ? std::optional<double>(to_deg(*rad)) : std::nullopt;
+  };
+  figures.last_550_deg = lowest_deg(550);
   if (!place.shines) return figures;
   const TrueSun sun{place.true_altitude_rad, place.radius_rad};
   figures.sun = sun;
@@ -276,10 +281,6 @@ SunsetFigures sunset_figures(const Scene &scene, const std::shared_ptr<Device> &
     figures.vertical_arcsec = 3600 * (figures.pieces.back().high_deg - figures.pieces.front().low_deg);
   figures.horizontal_arcsec = to_arcsec(widest_row_rad(curve, green, sun));
   if (section) return figures;
-  const auto lowest_deg = [&](double nm) {
-    const auto rad = lowest_true_rad(curve, row_of(curve, nm));
-    return rad ? std::optional<double>(to_deg(*rad)) : std::nullopt;
-  };
   figures.last_500_deg = lowest_deg(500), figures.last_560_deg = lowest_deg(560),
   figures.last_650_deg = lowest_deg(650);
   const auto above = pieces_of(curve, row_of(curve, 520), sun), below = pieces_of(curve, row_of(curve, 650), sun);

@@ -75,9 +75,9 @@ struct SunsetFigures {
   std::vector<Image> images_of_centre;
   double vertical_arcsec = 0, horizontal_arcsec = 0;  // of all pieces together; their ratio is the flattening
   std::optional<double> green_rim_arcsec;             // upper limb at 520 nm above that at 650 nm
-  std::optional<double> last_500_deg, last_560_deg, last_650_deg;  // lowest true altitude seen
-  std::optional<GreenFlash> flash;                                 // none in air that varies along the surface
-  double curve_arcsec = 0;                                         // interpolation error of the curve
+  std::optional<double> last_500_deg, last_550_deg, last_560_deg, last_650_deg;  // lowest true altitude seen
+  std::optional<GreenFlash> flash;  // none in air that varies along the surface
+  double curve_arcsec = 0;          // interpolation error of the curve
 };
 
 /// Throws InputError as `render` does. Rays in double.

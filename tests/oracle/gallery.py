@@ -19,6 +19,8 @@ from pathlib import Path
 
 import numpy as np
 from numba import njit
+from scipy.integrate import solve_ivp
+from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq, minimize_scalar
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -236,6 +238,7 @@ class Air:
         mesh = sorted(e for e in edges if 0 <= e <= TOP_M)
         self.mesh = np.array([m for i, m in enumerate(mesh) if i == 0 or m - mesh[i - 1] > 1e-6])
         self.scan = np.unique(np.concatenate([np.linspace(a, b, 33) for a, b in zip(self.mesh[:-1], self.mesh[1:])]))
+        self.curves = {}
         self.tabulate()
 
     def temperature(self, h):
@@ -268,3 +271,254 @@ class Air:
         """NaN where light does not come from the sky."""
         status, bending, _ = self.ray(h0, a_deg, nm)
         return a_deg - math.degrees(bending) if status == 0 else math.nan
+
+    # -- bands ---------------------------------------------------------------------------------------------------
+    def least_rise(self, h0, nm, low, high):
+        """Least ln(n r) - ln(n0 r0) over low..high, refined between the points of the scan."""
+        args = (self.parts(nm)[0], self.mesh, self.c)
+        ln0 = medium(h0, *args)[0]
+        f = lambda h: rise(h, h0, ln0, *args)[0]
+        points = np.unique(np.clip(np.concatenate([[low, high], self.scan[(self.scan > low) & (self.scan < high)]]), low, high))
+        values = np.array([f(h) for h in points])
+        i = int(np.argmin(values))
+        a, b = points[max(i - 1, 0)], points[min(i + 1, len(points) - 1)]
+        found = minimize_scalar(f, bounds=(a, b), method="bounded", options={"xatol": 1e-9})
+        return min(values[i], found.fun)
+
+    def horizon_deg(self, h0, nm):
+        """Of the sea: the ray that just misses it."""
+        return -math.degrees(math.acos(math.exp(min(0.0, self.least_rise(h0, nm, 0.0, h0)))))
+
+    def strip_deg(self, h0, nm):
+        """Half width of the blank strip: rays closer to the horizontal come back from above. 0: there is none."""
+        least = self.least_rise(h0, nm, h0, 5000.0) if h0 < 5000 else 0.0
+        return math.degrees(math.acos(math.exp(least))) if least < 0 else 0.0
+
+    def bands(self, h0, nm, high_deg):
+        low, strip = self.horizon_deg(h0, nm) + 1e-7, self.strip_deg(h0, nm)
+        return [(low, -strip - 1e-7), (strip + 1e-7, high_deg)] if strip > 0 else [(low, high_deg)]
+
+    def curve(self, h0, nm, high_deg, step_deg=0.0015):
+        """Per band: apparent altitudes and true altitudes."""
+        key = (h0, nm, high_deg)
+        if key in self.curves:
+            return self.curves[key]
+        out = self.curves[key] = []
+        for low, high in self.bands(h0, nm, high_deg):
+            a = np.unique(np.concatenate([np.linspace(low, high, max(3, int((high - low) / step_deg))), low + np.geomspace(1e-6, 1e-3, 10), high - np.geomspace(1e-6, 1e-3, 10)]))
+            t = np.array([self.true_deg(h0, x, nm) for x in a])
+            out.append((a[~np.isnan(t)], t[~np.isnan(t)]))
+        return out
+
+    def folds(self, h0, nm, high_deg, least_deg=1 / 3600):
+        found = []
+        for a, t in self.curve(h0, nm, high_deg):
+            turns = [i for i in range(1, len(t) - 1) if (t[i] - t[i - 1]) * (t[i + 1] - t[i]) < 0]
+            for i in turns:
+                sign = 1 if t[i] < t[i - 1] else -1
+                r = minimize_scalar(lambda x: sign * self.true_deg(h0, x, nm), bounds=(a[i - 1], a[i + 1]), method="bounded", options={"xatol": 1e-9})
+                found.append([r.x, sign * r.fun, sign > 0])
+        changed = True
+        while changed:                      # pairs less than least_deg apart are one wiggle
+            changed = False
+            for i in range(len(found) - 1):
+                if abs(found[i][1] - found[i + 1][1]) < least_deg:
+                    del found[i:i + 2]
+                    changed = True
+                    break
+        return found
+
+    def pieces(self, h0, nm, high_deg, centre_deg, radius_deg):
+        """Apparent spans in which |t(a) - centre| < radius."""
+        spans = []
+        for a, t in self.curve(h0, nm, high_deg):
+            edges = [a[0], a[-1]]
+            for level in (centre_deg - radius_deg, centre_deg + radius_deg):
+                for i in range(len(t) - 1):
+                    if (t[i] - level) * (t[i + 1] - level) < 0:
+                        edges.append(brentq(lambda x: self.true_deg(h0, x, nm) - level, a[i], a[i + 1], xtol=1e-11))
+            edges.sort()
+            for x, y in zip(edges[:-1], edges[1:]):
+                m = self.true_deg(h0, 0.5 * (x + y), nm)
+                if abs(m - centre_deg) < radius_deg:
+                    if spans and abs(spans[-1][1] - x) < 1e-9:
+                        spans[-1][1] = y
+                    else:
+                        spans.append([x, y])
+        return spans
+
+    def widest_arcsec(self, h0, nm, high_deg, centre_deg, radius_deg):
+        """Angle at the eye between the limb's points of one row, largest over the rows: refraction keeps azimuths."""
+        def half(a):
+            t = self.true_deg(h0, a, nm)
+            if math.isnan(t):
+                return 0.0
+            c, t, r = math.radians(centre_deg), math.radians(t), math.radians(radius_deg)
+            cos_azimuth = (math.cos(r) - math.sin(t) * math.sin(c)) / (math.cos(t) * math.cos(c))
+            return math.acos(cos_azimuth) * math.cos(math.radians(a)) if cos_azimuth < 1 else 0.0
+        best = 0.0
+        for a, _ in self.curve(h0, nm, high_deg):
+            w = [half(x) for x in a]
+            i = int(np.argmax(w))
+            r = minimize_scalar(lambda x: -half(x), bounds=(a[max(i - 1, 0)], a[min(i + 1, len(a) - 1)]), method="bounded", options={"xatol": 1e-9})
+            best = max(best, w[i], -r.fun)
+        return 2 * best * ARCSEC
+
+    def lowest_true_deg(self, h0, nm, high_deg):
+        values = [self.true_deg(h0, low, nm) for low, _ in self.bands(h0, nm, high_deg)] + [t for _, t, _ in self.folds(h0, nm, high_deg)]
+        return min(values)
+
+
+# ---- air that varies: Novaya Zemlya -------------------------------------------------------------------------------
+
+def check(air, h0, a_deg, nm):
+    """The same ray by scipy's DOP853 on the ray equation in arc length: bending [rad]; starts and ends as `ray` does."""
+    args = (air.parts(nm)[0], air.mesh, air.c)
+
+    def rhs(_, y):
+        g = medium(min(max(y[0], 0.0), TOP_M), *args)[1]
+        c = math.cos(y[1])
+        return [math.sin(y[1]), c * (1 / (EARTH_M + y[0]) + g), -g * c]
+
+    def space(_, y):
+        return y[0] - TOP_M
+    space.terminal, space.direction = True, 1
+    return solve_ivp(rhs, (0, 1e7), [h0, math.radians(a_deg), 0.0], method="DOP853", rtol=1e-12, atol=[1e-9, 1e-15, 1e-16],
+                     events=[space], max_step=500.0).y[2, -1]
+
+
+@njit(cache=True)
+def moving_step(h, jump, centre, width, jump_x, centre_x):
+    """Of the Fermi step T - jump f: value, slope by h, slope by x."""
+    f = 1 / (1 + math.exp(min((h - centre) / width, 300.0)))
+    slope = jump * f * (1 - f) / width
+    return -jump * f, slope, -jump_x * f - slope * centre_x
+
+
+@njit(cache=True)
+def varying(h, levels, jump, centre, width, jump_x, centre_x):
+    """(P/T)/(P0/273.15) at h: value, slope by h, slope by x."""
+    none = np.zeros((0, 3))
+    low, ln_p, ln_px = 0.0, 0.0, 0.0
+    done = False
+    edges = np.array([10.0, 20, 30, 40, 50, 60, 70, 80, 90, 100, 120, 150, 200, 400, 800, 1500, 4000, 9000, 11019.1, 20063.1, 32161.9, 47350.1, 51412.5, 71802.0, 86000.0, 120000.0])
+    for e in edges:
+        high = min(e, h)
+        half = 0.5 * (high - low)
+        for k in range(16):
+            z = low + half * (1 + X16[k])
+            t = plain(z, levels, none, none[:, :2])[0]
+            a, _, ax = moving_step(z, jump, centre, width, jump_x, centre_x)
+            g = half * W16[k] * K * (R0 / (R0 + z)) ** 2 / (t + a)
+            ln_p -= g
+            ln_px += g * ax / (t + a)
+        low = high
+        if high >= h:
+            break
+    t, th = plain(h, levels, none, none[:, :2])
+    a, ah, ax = moving_step(h, jump, centre, width, jump_x, centre_x)
+    t, th = t + a, th + ah
+    u = math.exp(ln_p) * 273.15 / t
+    return u, u * (-K * (R0 / (R0 + h)) ** 2 / t - th / t), u * (ln_px - ax / t)
+
+
+def novaya_true_deg(a_deg, h0=14.0, nm=550.0):
+    """True altitude at the end of a ray through profiles/novaya-zemlya.toml; NaN where it ends on the ice."""
+    spec = tomllib.loads((ROOT / "profiles/novaya-zemlya.toml").read_text())
+    levels = np.array([[r["height_m"], r["temperature_K"]] for r in spec["level"]], float)
+    (step,) = spec["inversion"]
+    jump, centre = (PchipInterpolator(step[k]["x_m"], step[k]["value"]) for k in ("delta_T_K", "height_m"))
+    ends = [(step[k]["x_m"][0], step[k]["x_m"][-1]) for k in ("delta_T_K", "height_m")]
+    factor = 28.79e-5 * (1 + 5.67e-3 * (1000 / nm) ** 2)
+
+    def along(curve, end, x):
+        inside = end[0] < x < end[1]
+        return float(curve(min(max(x, end[0]), end[1]))), float(curve.derivative()(x)) if inside else 0.0
+
+    def rhs(_, y):
+        x = y[1] * EARTH_M
+        (j, jx), (c, cx) = along(jump, ends[0], x), along(centre, ends[1], x)
+        u, uh, ux = varying(min(max(y[0], 0.0), TOP_M), levels, j, c, float(step["diffuseness_m"]), jx, cx)
+        s, q, r = math.sin(y[2]), math.cos(y[2]), EARTH_M + y[0]
+        k = factor * (uh * q - ux * s * EARTH_M / r) / (1 + factor * u)
+        return [s, q / r, q / r + k, -k]
+
+    def ground(_, y):
+        return y[0]
+
+    def space(_, y):
+        return y[0] - TOP_M
+    ground.terminal, ground.direction = True, -1
+    space.terminal, space.direction = True, 1
+    s = solve_ivp(rhs, (0, 3e6), [h0, 0.0, math.radians(a_deg), 0.0], method="DOP853", rtol=1e-11, atol=[1e-8, 1e-14, 1e-14, 1e-15],
+                  events=[ground, space], max_step=2000.0)
+    return a_deg - math.degrees(s.y[3, -1]) if len(s.t_events[1]) else math.nan
+
+
+# ---- the tables -----------------------------------------------------------------------------------------------------
+
+SCENES = {  # scene: profile, eye [m], true altitude of the Sun's centre where the scene gives it, highest altitude looked at
+    "split-sun": ("elevated-duct", 102.0, -0.75, 0.6),
+    "double-sun": ("double-sun", 10.0, -0.28, 0.6),
+    "omega-sun": ("warm-sea", 6.0, -0.36, 0.6),
+    "inferior-mirage-flash": ("warm-sea", 6.0, -0.8728, 0.3),
+    "mock-mirage-flash": ("mock-mirage", 60.0, -1.1615, 0.3),
+    "sub-duct-flash": ("elevated-duct", 86.0, -1.35, 0.3),
+    "young-mock-mirage": ("young-mock-mirage", 54.0, -1.05, 0.5),
+    "young-inferior-mirage": ("young-inferior-mirage", 9.28, -0.36, 0.6),
+    "sun-from-10km": ("us76", 10000.0, None, -2.0),
+    "sun-from-orbit": ("us76", 400000.0, None, -19.0),
+    "academic-flash": ("us76", 2.0, None, 0.6),
+}
+
+
+def write(name, header, rows):
+    path = ROOT / "tests/data/gallery" / name
+    path.write_text("# Made by tests/oracle/gallery.py; see README.md.\n" + header + "\n" + "\n".join(rows) + "\n")
+    print(name, len(rows), flush=True)
+
+
+def main():
+    folds, suns, lasts, radius = [], [], [], math.degrees(SUN_RAD)
+    for scene, (profile, h0, centre, high) in SCENES.items():
+        air = Air(profile)
+        for nm in (550.0, 500.0, 650.0):
+            folds.append(f"{scene},{profile},{h0:g},{nm:g},horizon,{air.horizon_deg(h0, nm):.9f},")
+            strip = air.strip_deg(h0, nm)
+            if strip:
+                folds.append(f"{scene},{profile},{h0:g},{nm:g},strip,{strip:.9f},")
+            if h0 < 100000:
+                folds += [f"{scene},{profile},{h0:g},{nm:g},{'lowest' if low else 'highest'},{a:.8f},{t:.8f}" for a, t, low in air.folds(h0, nm, high)]
+        if not air.strip_deg(h0, 550.0):
+            lasts += [f"{scene},{profile},{h0:g},{nm:g},{air.lowest_true_deg(h0, nm, high):.8f}" for nm in (500.0, 560.0, 650.0)]
+        if centre is None and h0 > 5000:    # lower limb 0.014 degree above the sea horizon; from orbit: the centre so far above
+            lower = {10000.0: -3.0, 400000.0: -19.68}[h0]
+            centre = air.true_deg(h0, lower, 550.0) + (radius if h0 < 100000 else 0)
+        if centre is not None:
+            spans = air.pieces(h0, 550.0, high, centre, radius)
+            words = ";".join(f"{a:.8f} {b:.8f}" for a, b in spans)
+            tops = [air.pieces(h0, nm, high, centre, radius) for nm in (520.0, 650.0)]
+            rim = f"{(tops[0][-1][1] - tops[1][-1][1]) * 3600:.4f}" if all(tops) else ""
+            suns.append(f"{scene},{profile},{h0:g},{centre:.8f},{len(spans)},{words},{(spans[-1][1] - spans[0][0]) * 3600:.4f},"
+                        f"{air.widest_arcsec(h0, 550.0, high, centre, radius):.4f},{rim}")
+        print(scene, flush=True)
+    write("folds.csv", "scene,profile,height_m,wavelength_nm,kind,apparent_deg,true_deg", folds)
+    write("suns.csv", "scene,profile,height_m,true_centre_deg,pieces,spans_deg,vertical_arcsec,horizontal_arcsec,rim_arcsec", suns)
+    write("last_light.csv", "scene,profile,height_m,wavelength_nm,lowest_true_deg", lasts)
+    rows = []
+    for a in np.round(np.arange(-0.06, 0.1401, 0.01), 3):
+        t, near = novaya_true_deg(a), novaya_true_deg(a + 1e-6)
+        if not math.isnan(t):
+            rows.append(f"{a:g},{t:.7f},{(near - t) / 1e-6:.4g}")
+    write("novaya_zemlya.csv", "apparent_deg,true_deg,slope", rows)
+    worst = 0.0
+    for profile, h0, a in (("us76", 2.0, 0.0), ("warm-sea", 6.0, -0.05), ("elevated-duct", 86.0, -0.006), ("elevated-duct", 102.0, 0.1),
+                           ("young-mock-mirage", 54.0, -0.13), ("mock-mirage", 60.0, -0.12)):
+        air = Air(profile)
+        _, bending, _ = air.ray(h0, a, 550.0)
+        worst = max(worst, abs(check(air, h0, a, 550.0) - bending) * ARCSEC)
+    print(f"quadrature against DOP853: {worst:.1e} arcsec")
+
+
+if __name__ == "__main__":
+    main()
