@@ -146,6 +146,7 @@ Dual TemperatureCurve::smoothed(double height_m) const {
   if (height_m >= reach && !any_near(raw_kinks_m_, height_m, reach)) {
     double thinnest_m = std::numeric_limits<double>::infinity();
     if (any_near(features_m_, height_m, reach)) {
+      if (!shares_.empty()) thinnest_m = 0;  // as thin as the blended airs have them
       for (const InversionSpec &v : inversions_) thinnest_m = std::min(thinnest_m, v.diffuseness_m.constant());
       for (const SurfaceLayerSpec &layer : layers_) thinnest_m = std::min(thinnest_m, layer.scale_m);
     }

@@ -60,7 +60,8 @@ TEST(Smoothing, OfStepsAndSurfaceLayersOfEveryWidth) {
   for (double scale_m : {3.0, 5.0, 30.0}) {
     ProfileSpec spec;
     spec.smooth_m = 2;
-    spec.surface_layers.push_back({5, scale_m});
+    spec.surface_layers.push_back({});
+    spec.surface_layers[0].delta_T_K = 5, spec.surface_layers[0].scale_m = scale_m;
     const TemperatureCurve curve(spec);
     for (double h : {18.5, 25.0, 90.0}) EXPECT_NEAR(curve(h).value, brute_mean(spec, h), 1e-10) << scale_m << " " << h;
   }

@@ -105,7 +105,9 @@ def series(h, mesh, c):
 
 @njit(cache=True)
 def medium(h, factor, mesh, c):
-    """ln n, d ln n/dh."""
+    """ln n, d ln n/dh; n = 1 above the air."""
+    if h > TOP_M:
+        return 0.0, 0.0
     u, uh = series(h, mesh, c)
     return math.log1p(factor * u), factor * uh / (1 + factor * u)
 
@@ -191,7 +193,7 @@ def bend(a, h0, scan, ratio, factor, mesh, c, tol):
             break
     turn, found = h0, False
     if a < 0 or blocked:
-        before = h0
+        before = min(h0, TOP_M)
         for i in range(start - 1, -1, -1):
             if scan[i] < h0:
                 if math.log1p(factor * ratio[i]) - ln0 + math.log1p((scan[i] - h0) / (EARTH_M + h0)) < inv:
@@ -205,8 +207,9 @@ def bend(a, h0, scan, ratio, factor, mesh, c, tol):
             return 2, 0.0, turn
     total = 0.0
     if found:
-        total += 2 * integral(turn, h0, inv, h0, ln0, factor, mesh, c, tol)
-    total += integral(h0, TOP_M, inv, h0, ln0, factor, mesh, c, tol)
+        total += 2 * integral(turn, min(h0, TOP_M), inv, h0, ln0, factor, mesh, c, tol)
+    if h0 < TOP_M:
+        total += integral(h0, TOP_M, inv, h0, ln0, factor, mesh, c, tol)
     return 0, total, turn
 
 
