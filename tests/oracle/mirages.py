@@ -10,6 +10,7 @@ folds:  the true altitude a(e) = e - bending is sampled every 1.5", closer towar
         A pair of folds that differ by less than 0.2" in true altitude is left out, as is a case that has one between 0.02"
         and 0.2".
 counts: changes of sign of a(e) - a0 along the samples, for a0 at random (seed 6) but 1" from any fold or end.
+        (followed() says where counting ends.)
 """
 import math
 import random
@@ -201,6 +202,18 @@ def folds(eye, grid):
     return [(e, a, top) for (e, a), top in zip(turn[1:-1], kinds)], dropped
 
 
+def followed(eye, runs):
+    """Beside the top of a smooth duct the true altitude falls as the logarithm of the distance, and samples end 1e-13 rad from
+    it: what is seen lower than 1e-10 rad from such an end is not counted."""
+    least = -math.inf
+    for run in runs:
+        for end, inward in ((run[0], 1), (run[-1], -1)):
+            t = [eye.true(end + inward * d) for d in (1e-6, 1e-8, 1e-10)]
+            if t[0] - t[1] > 0 and t[1] - t[2] > max(1e-5, 0.5 * (t[0] - t[1])):
+                least = max(least, t[2])
+    return least
+
+
 def main():
     tables = {"strips": ["profile,height_m,wavelength_nm,low_deg,high_deg,status"],
               "folds": ["profile,height_m,wavelength_nm,apparent_altitude_deg,true_altitude_deg,kind"],
@@ -230,6 +243,7 @@ def main():
             bounds = [a for _, a, _ in all_folds] + ends
             reach = [a for a in bounds if -0.04 < a < 0.02] or [0.0]
             wanted, lowest, highest = 12, min(reach) - 0.0005, min(max(reach), eye.true(high)) + 0.0005
+            deepest = followed(eye, runs)
             while wanted:
                 a0 = dice.uniform(lowest, highest)
                 if min(abs(a0 - x) for x in bounds) < 1 / ARCSEC:
@@ -240,6 +254,8 @@ def main():
                     images += sum((p < 0) != (q < 0) for p, q in zip(v, v[1:]))
                 tables["counts"].append(f"{key},{deg(a0)},{images}")
                 wanted -= 1
+                if a0 < deepest:
+                    tables["counts"].pop()
             print(key, len(found), "strips", len(runs), "runs", len(all_folds), "folds", flush=True)
     notes = [line for line in __doc__.splitlines()[2:] if line.strip()]
     for table, rows in tables.items():
