@@ -55,6 +55,27 @@ class SkyMaker {
     return {from_sun, seen, glow.isotropic, glow.aureole};
   }
 
+  PathLight path(const Transfer &ray, std::size_t wave) const {
+    if (light_.sky.model == SkyScene::Model::academic) return {1, 0, 0};
+    const Depth depth = depth_of(ray, light_.air[wave]);
+    const Glow glow = scattered(depth, sunlight_on_air(wave));
+    return {std::exp(-depth.total()), glow.isotropic, glow.aureole};
+  }
+
+  double on_upright(double azimuth_rad, std::size_t wave) const {
+    const SpectralAir &air = light_.air[wave];
+    const Transfer &ray = light_.towards_sun[wave];
+    const double altitude = sun_.true_altitude_rad;
+    const double facing = -std::cos(altitude) * std::cos(sun_.azimuth_rad - azimuth_rad);
+    const bool direct = sun_.shines && facing > 0 && ray.outcome == f64::RAY_SPACE &&
+                        std::abs(ray.true_altitude_rad - altitude) < sun_.radius_rad;
+    const double sun =
+        direct ? facing * air.irradiance_outside(sun_.radius_rad) * std::exp(-depth_of(ray, air).total()) : 0;
+    const Glow sky = scattered(depth_of(light_.at_10_degrees[wave], air), sunlight_on_air(wave));
+    const double radiance = sky.isotropic + sky.aureole / (4 * pi);  // the aureole spread over all directions
+    return sun + 0.5 * pi * radiance * (1 + light_.sky.sea_reflectance);
+  }
+
  private:
   /// Irradiance on the air the eye looks through. Air and haze pass light on by many scatterings (two-stream,
   /// conservative: 1/(1 + 3/4 tau (1-g))), ozone absorbs it; below the horizon it falls by a factor 2.8 a degree, as
@@ -76,6 +97,13 @@ class SkyMaker {
 }  // namespace
 
 double optical_depth(const Transfer &ray, const SpectralAir &air) { return depth_of(ray, air).total(); }
+
+PathLight light_of_path(const SkyLight &light, const Transfer &ray, std::size_t wave) {
+  return SkyMaker(light).path(ray, wave);
+}
+double irradiance_on_upright(const SkyLight &light, double azimuth_rad, std::size_t wave) {
+  return SkyMaker(light).on_upright(azimuth_rad, wave);
+}
 
 SkyTable make_sky_table(const SkyLight &light, const TransferTable &transfer, int waves) {
   const SkyMaker maker(light);

@@ -33,6 +33,17 @@ SkyTable make_sky_table(const SkyLight &light, const TransferTable &transfer, in
 /// Optical depth of a ray: Rayleigh, aerosol and ozone together.
 double optical_depth(const Transfer &ray, const SpectralAir &air);
 
+/// Light along a path that ends at something: the share of its light that passes, and the light of the air before it,
+/// of which `aureole` is to be multiplied by the aerosol's phase function. ray: columns up to there.
+struct PathLight {
+  double passed, isotropic, aureole;
+};
+PathLight light_of_path(const SkyLight &light, const Transfer &ray, std::size_t wave);
+
+/// Irradiance [W m^-2 nm^-1] on an upright white surface that faces the eye from an azimuth (from the picture's
+/// centre): the Sun as the air leaves it, and half a sky and half a sea as bright as those at 10 degrees.
+double irradiance_on_upright(const SkyLight &light, double azimuth_rad, std::size_t wave);
+
 inline constexpr double aerosol_asymmetry = 0.76;
 
 }  // namespace greenray

@@ -9,6 +9,7 @@
 
 #include "render/host_rays.hpp"
 #include "render/renderer.hpp"
+#include "render/targets.hpp"
 #include "render/transfer.hpp"
 #include "render/transfer_curve.hpp"
 
@@ -26,6 +27,9 @@ class SkySight {
   const TransferCurve &curve() const { return curve_; }
   const TransferTable &transfer() const { return transfer_; }  // of all wavelengths of the picture
   const TransferProbes &probes() const { return probes_; }
+  /// Where the entries' rays pass the targets of the scene; without targets empty.
+  const StationSights &stations() const { return stations_; }
+  SightPlaces &places() { return *places_; }
   /// Rays at one apparent altitude, [wavelengths of the picture].
   std::vector<Transfer> rays_at(double altitude_deg);
   /// Its part of a picture's report: cells, errors, rays, seconds.
@@ -34,6 +38,7 @@ class SkySight {
  private:
   void measure_table();
   void trace_table();
+  void trace_targets(const Scene &scene);
   bool measures_solver() const;
   HostRay finer_ray(double wavelength_nm) const;
   SkyRayOptions ray_options(const Scene &scene) const;
@@ -49,6 +54,8 @@ class SkySight {
   TransferCurve curve_;
   TransferTable transfer_;
   TransferProbes probes_;
+  std::optional<SightPlaces> places_;
+  StationSights stations_;
   RenderReport report_;
 };
 
