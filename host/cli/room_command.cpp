@@ -18,6 +18,7 @@
 #include "render/room_checkpoint.hpp"
 #include "render/room_choices.hpp"
 #include "render/room_report.hpp"
+#include "report/room_page.hpp"
 #include "support/atomic_file.hpp"
 #include "support/embedded.hpp"
 #include "support/toml_reader.hpp"
@@ -146,10 +147,12 @@ void keep_channels(const std::vector<std::string> &aovs, SpectralImage &image) {
 }
 
 /// OUT.photons.exr and .png: one photon of median power is a dot a little brighter than middle grey.
-void write_photon_map(const SpectralImage &map, const fs::path &exr, AtomicFileSet &files, const ExrAttributes &words) {
+Raster write_photon_map(const SpectralImage &map, const fs::path &exr, AtomicFileSet &files,
+                        const ExrAttributes &words) {
   write_exr(files.add(fs::path(exr).replace_extension(".photons.exr")), map, words, {false});
-  write_png(files.add(fs::path(exr).replace_extension(".photons.png")),
-            develop_camera(rgb_from_spectral(map), {std::nullopt, 8, true}).pixels);
+  Raster pixels = develop_camera(rgb_from_spectral(map), {std::nullopt, 8, true}).pixels;
+  write_png(files.add(fs::path(exr).replace_extension(".photons.png")), pixels);
+  return pixels;
 }
 
 }  // namespace
@@ -166,12 +169,13 @@ std::optional<int> render_room_scene(const Arguments &a, Session &session) {
   if (!text) return std::nullopt;
   const RoomScene scene = parse_room(text->first, text->second, a.all("--set"));
   RoomOptions options = options_from(a, scene);
+  const bool with_page = wants_report(a);
   fs::path exr = a.has("--output") ? fs::path(a.file("--output", ".exr")) : fs::path(scene.output.image);
   if (exr.empty()) exr = fs::path("out") / (scene.name + ".exr");
   const std::shared_ptr<Device> device = session.device(a);
   { AtomicFile(exr).write("x"); }  // is there room and right to write there?
   options.checkpoint = fs::path(exr).replace_extension(".grck");
-  for (const char *extension : {".exr", ".png", ".json", ".grck", ".photons.exr", ".photons.png"})
+  for (const char *extension : {".exr", ".png", ".json", ".html", ".grck", ".photons.exr", ".photons.png"})
     remove_stale_temporaries(fs::path(exr).replace_extension(extension));
   const bool quiet = a.has("--quiet"), json = a.has("--json");
   Progress progress(quiet ? Progress::Style::quiet : json ? Progress::Style::json : Progress::Style::text);
@@ -190,10 +194,16 @@ std::optional<int> render_room_scene(const Arguments &a, Session &session) {
   AtomicFileSet files;
   write_exr(files.add(exr), picture.image, attributes_of(scene, options, *device), {scene.output.spectral});
   write_png(files.add(fs::path(exr).replace_extension(".png")), camera.pixels);
-  if (picture.photon_map) write_photon_map(*picture.photon_map, exr, files, attributes_of(scene, options, *device));
+  std::optional<Raster> photon_map;
+  if (picture.photon_map)
+    photon_map = write_photon_map(*picture.photon_map, exr, files, attributes_of(scene, options, *device));
   nlohmann::json report =
       room_report_json(scene, options, picture.report, *device, develop_seconds, seconds_since(begin));
   report["key"] = picture_key(a);
+  if (with_page) {
+    report["command"] = command_line(a);
+    files.add(fs::path(exr).replace_extension(".html")).write(room_page(report, camera.pixels, photon_map));
+  }
   files.add(fs::path(exr).replace_extension(".json")).write(report.dump(1) + "\n");
   stop_if_asked();
   files.commit();
@@ -201,7 +211,7 @@ std::optional<int> render_room_scene(const Arguments &a, Session &session) {
   if (json) std::cout << nlohmann::json{{"event", "done"}, {"report", report}}.dump() << "\n";
   if (!quiet && !json) {
     print_summary(picture.report, seconds_since(begin));
-    std::cout << "wrote    " << exr.string() << "  .png  .json"
+    std::cout << "wrote    " << exr.string() << "  .png  .json" << (with_page ? "  .html" : "")
               << (picture.photon_map ? "  .photons.exr  .photons.png" : "") << "\n";
   }
   return 0;

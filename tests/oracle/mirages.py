@@ -1,4 +1,4 @@
-"""Folds, trapped strips and numbers of images of an eye, by brute force: python mirages.py
+"""Folds, trapped strips and numbers of images of an eye, by brute force: python mirages.py [PROFILE..] (all; others' rows stay)
 
 Writes tests/data/mirage/{strips,folds,counts}.csv.  Needs numpy, scipy, numba.  Nothing is shared with greenray: air.py
 gives n(h), rays.py bends by Gauss-Legendre quadrature of Bouguer's integrals in double.
@@ -14,6 +14,7 @@ counts: changes of sign of a(e) - a0 along the samples, for a0 at random (seed 6
 """
 import math
 import random
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -154,7 +155,8 @@ def leaps(eye, grid):
                 else:
                     lo = m
             if jump(lo, hi) > 1e-2 or abs(eye.true(hi) - eye.true(lo)) > 1e-6:
-                runs.append([])
+                runs[-1].append(lo)
+                runs.append([hi])
         runs[-1].append(b)
     return [r for r in runs if len(r) > 2]
 
@@ -218,7 +220,8 @@ def main():
     tables = {"strips": ["profile,height_m,wavelength_nm,low_deg,high_deg,status"],
               "folds": ["profile,height_m,wavelength_nm,apparent_altitude_deg,true_altitude_deg,kind"],
               "counts": ["profile,height_m,wavelength_nm,true_altitude_deg,images"]}
-    for name, height in CASES:
+    wanted_cases = [c for c in CASES if len(sys.argv) < 2 or c[0] in sys.argv[1:]]
+    for name, height in wanted_cases:
         air = profile(name)
         for nm in WAVES.get(name, [550]):
             dice = random.Random(6)
@@ -259,6 +262,10 @@ def main():
             print(key, len(found), "strips", len(runs), "runs", len(all_folds), "folds", flush=True)
     notes = [line for line in __doc__.splitlines()[2:] if line.strip()]
     for table, rows in tables.items():
+        if len(sys.argv) > 1:
+            old = [r for r in (OUT / f"{table}.csv").read_text().splitlines() if r and r[0] != "#"]
+            made = {(name, str(height)) for name, height in wanted_cases}
+            rows += [r for r in old[1:] if tuple(r.split(",")[:2]) not in made]
         (OUT / f"{table}.csv").write_text("".join(f"# {n}\n" for n in notes) + "\n".join(rows) + "\n")
 
 
