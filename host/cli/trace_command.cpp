@@ -90,8 +90,11 @@ std::string drawing(TraceRequest request, const AirSection &air, const std::shar
 /// The rays of the contract: all four flags, or none and a view.
 bool asks_for_rays(const Arguments &a) {
   if (!a.has("--altitudes")) return false;
-  for (const char *flag : {"--height", "--wavelengths", "--distances"})
-    if (!a.has(flag)) throw InputError({"command line", 1, 1}, std::string("trace: --altitudes needs ") + flag);
+  std::vector<Diagnostic> missing;
+  for (const auto &[flag, value] : {std::pair{"--height", "M"}, {"--wavelengths", "LIST"}, {"--distances", "LIST"}})
+    if (!a.has(flag))
+      missing.push_back({a.end_place(), std::string("missing ") + flag + " " + value + " beside --altitudes"});
+  if (!missing.empty()) throw InputError(std::move(missing));
   for (const char *flag : {"--target-distance", "--target-height", "--units", "--set"})
     if (a.has(flag)) a.fail(flag, "this is about a view: expected no --altitudes");
   return true;

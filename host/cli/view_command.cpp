@@ -79,8 +79,7 @@ View view_of_scene(const Arguments &a) {
 }
 
 View view_of_profile(const Arguments &a) {
-  if (!a.has("--height"))
-    throw InputError({"command line", 1, 1}, "trace: expected --height of the eye above a profile");
+  if (!a.has("--height")) throw InputError(a.end_place(), "missing --height M: of the eye above a profile");
   if (a.has("--set")) a.fail("--set", "a profile has no scene keys: expected a scene");
   View view{AirSection(load_profile(a.positional()[0], ".", a.positional_place(0))), {}, ""};
   view.request.height_m = a.number("--height", 0, 1e7, "m above the surface");
