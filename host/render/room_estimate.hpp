@@ -15,7 +15,7 @@ struct RoomEstimate {
 };
 
 /* A sixteenth of the pixels and a thirty-second of the photons, scaled up by what each part grows with. Within a factor
-   of two where the picture takes more than a second. errors: those of render_room */
+   of three where the picture takes more than a second. errors: those of render_room */
 RoomEstimate estimate_room(const RoomScene &scene, const RoomOptions &options, const std::shared_ptr<Device> &device);
 
 }  // namespace greenray
