@@ -39,9 +39,9 @@ void add_sample(SkyRays &rays, const SkyLight &light, const OwnRayTargets &own_t
   const SkyTable sky = make_sky_table(light, own, waves);
   TargetTable table;
   if (own_targets.places)
-    table =
-        make_target_table(own_targets.scene, own_targets.shapes, light, plan.wavelengths_nm,
-                          trace_stations(*own_targets.places, row.elevations_rad, plan.station_m, azimuths), {}, waves);
+    table = make_target_table(own_targets.scene, own_targets.shapes, light, plan.wavelengths_nm,
+                              trace_stations(*own_targets.places, row.elevations_rad, plan.station_m, azimuths), {}, {},
+                              waves);
   const f32::Targets targets = table.view(waves);
   for (int column = 0; column < v.width; ++column) {
     const float half_azimuth = f32::sine_half_from_sun(&v, row.azimuths_rad[static_cast<std::size_t>(column)]);

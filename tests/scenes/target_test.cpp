@@ -141,13 +141,15 @@ const RenderOptions straight = [] {
 
 }  // namespace
 
-// oracle: straight lines over a sphere: dip acos(R/(R+h)), elevation of the top; the part below the dip is hidden
+// oracle: straight lines over a sphere: dip acos(R/(R+h)), elevation of the top; the part below the dip is hidden, and
+// so is
+//         what lies below the surface, though rays that end before would meet it there
 // tolerance: 0.1 pixel of 2": samples in a pixel, and the table's step is half a pixel
 TEST(Targets, StraightLightOverASphere) {
   const double eye = 3, distance = 20000, top = 40;
   const Frame frame{0.0, 2, 8, 400};
   const Rendered picture =
-      make(dark + rectangle(distance, 200, 0, top), frame, {"observer.height_m=" + text(eye)}, straight);
+      make(dark + rectangle(distance, 200, -10, top + 10), frame, {"observer.height_m=" + text(eye)}, straight);
   const double dip = -to_deg(std::acos(earth_m / (earth_m + eye)));
   const double highest = straight_altitude_deg(eye, top, distance);
   ASSERT_LT(straight_altitude_deg(eye, 0, distance), dip);  // the waterline is hidden
