@@ -27,6 +27,7 @@ struct TargetTable {
   std::vector<float> light;          // [1 + targets][waves]
   std::vector<f32::TargetTexel> texels;
   std::vector<float> crests;  // thresholds over azimuth; empty: no waves
+  int sea_entry = 0;
   float first_crest_rad = 0, crests_per_rad = 0;
 
   bool any() const { return !targets.empty() || !crests.empty(); }
@@ -35,7 +36,11 @@ struct TargetTable {
            targets.size() * sizeof(f32::Target) + texels.size() * sizeof(f32::TargetTexel);
   }
   f32::TargetScale scale() const {
-    return {static_cast<int>(targets.size()), stations, static_cast<int>(crests.size()), first_crest_rad,
+    return {static_cast<int>(targets.size()),
+            stations,
+            static_cast<int>(crests.size()),
+            sea_entry,
+            first_crest_rad,
             crests_per_rad};
   }
   f32::Targets view(int waves) const {

@@ -30,7 +30,6 @@ class SeaTracer {
     out_.stations = station_m.size();
     out_.wavelengths = transfer.wavelengths;
     out_.crests.assign(transfer.entries * out_.wavelengths * (out_.stations + 1), 0.0f);
-    out_.hidden.assign(transfer.entries, {});
     out_.horizon_m = std::sqrt(2 * earth_radius_m * std::max(eye_m, 0.1));
     const double crest_m = std::sqrt(2 * earth_radius_m * reach * sea.height_m);
     double farthest_m = std::clamp(3 * out_.horizon_m + crest_m, 5e3, 3e5);
@@ -48,7 +47,7 @@ class SeaTracer {
         some.clear();
       }
     }
-    find_horizon();
+    find_sea();
     return std::move(out_);
   }
 
@@ -97,13 +96,12 @@ class SeaTracer {
     for (std::size_t i = 0; i < entries.size(); ++i) {
       std::vector<Crests> crests;
       for (std::size_t w = 0; w < waves; ++w) crests.push_back(along(&places[(i * waves + w) * stop_m_.size()]));
-      const std::size_t middle = waves / 2, e = entries[i];
-      const SightPlace &place = places[(i * waves + middle) * stop_m_.size() + crests[middle].middle];
-      out_.hidden[e].outcome = f64::RAY_GROUND;
-      out_.hidden[e].column = place.column;
-      out_.hidden[e].bending_rad = place.bending_rad;
-      out_.hidden[e].true_altitude_rad = elevations[i] - place.bending_rad;
-      out_.hidden[e].distance_m = stop_m_[crests[middle].middle];
+      const std::size_t e = entries[i], middle = waves / 2;
+      const double number = crests[middle].before.back();  // the horizon: as likely hidden as not
+      if (number > 0 && std::abs(number - 0.7) < nearest_) {
+        nearest_ = std::abs(number - 0.7);
+        out_.horizon_m = stop_m_[crests[middle].middle];
+      }
       for (std::size_t w = 0; w < out_.wavelengths; ++w)
         for (std::size_t s = 0; s <= out_.stations; ++s)
           out_.crests[(e * out_.wavelengths + w) * (out_.stations + 1) + s] = static_cast<float>(between(crests, w, s));
@@ -119,15 +117,13 @@ class SeaTracer {
     return std::exp((1 - x) * (1 - 2 * x) * log[0] + 4 * x * (1 - x) * log[1] + x * (2 * x - 1) * log[2]);
   }
 
-  /// Where the crests stand of the ray that is as likely hidden as not.
-  void find_horizon() {
-    double nearest = 1e9;
-    for (std::size_t e = 0; e < transfer_.entries; ++e) {
-      const double number = static_cast<double>(out_.at(e, out_.wavelengths / 2, out_.stations));
-      if (number <= 0 || std::abs(number - 0.7) > nearest) continue;
-      nearest = std::abs(number - 0.7);
-      out_.horizon_m = out_.hidden[e].distance_m;
-    }
+  void find_sea() {
+    const auto all_ground = [&](std::size_t e) {
+      for (std::size_t w = 0; w < transfer_.wavelengths; ++w)
+        if (transfer_.at(e, w).outcome != f64::RAY_GROUND) return false;
+      return true;
+    };
+    while (out_.sea_entry + 1 < transfer_.entries && all_ground(out_.sea_entry + 1)) ++out_.sea_entry;
   }
 
   SightPlaces &rays_;
@@ -136,6 +132,7 @@ class SeaTracer {
   SeaState sea_;
   std::vector<double> stop_m_;
   SeaSights out_;
+  double nearest_ = 1e9;
 };
 
 /// Uniform in 0..1 of the next 53 bits: the same on every machine, as std::uniform_real_distribution is not.

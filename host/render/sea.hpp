@@ -24,9 +24,9 @@ SeaState sea_state(const SeaScene &sea);
 /// Crests that rise into rays of sight, and where.
 struct SeaSights {
   std::size_t stations = 0, wavelengths = 0;
-  std::vector<float> crests;     // [entries][wavelengths][stations + 1]: mean number before each station, and in all
-  std::vector<Transfer> hidden;  // [entries]: the middle wavelength's ray up to where half of them stand
-  double horizon_m = 0;          // how far away the crests that make the horizon stand
+  std::vector<float> crests;  // [entries][wavelengths][stations + 1]: mean number before each station, and in all
+  double horizon_m = 0;       // how far away the crests that make the horizon stand
+  std::size_t sea_entry = 0;  // whose rays all meet the sea just below the lowest horizon
   float at(std::size_t entry, std::size_t wave, std::size_t station) const {
     return crests[(entry * wavelengths + wave) * (stations + 1) + station];
   }

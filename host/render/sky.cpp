@@ -101,10 +101,6 @@ double optical_depth(const Transfer &ray, const SpectralAir &air) { return depth
 PathLight light_of_path(const SkyLight &light, const Transfer &ray, std::size_t wave) {
   return SkyMaker(light).path(ray, wave);
 }
-PathLight light_of_sea(const SkyLight &light, const Transfer &ray, std::size_t wave) {
-  const std::array<double, 4> channels = SkyMaker(light).channels(ray, wave);
-  return {0, channels[f32::SKY_GLOW], channels[f32::SKY_AUREOLE]};
-}
 double irradiance_on_upright(const SkyLight &light, double azimuth_rad, std::size_t wave) {
   return SkyMaker(light).on_upright(azimuth_rad, wave);
 }

@@ -40,9 +40,6 @@ struct PathLight {
 };
 PathLight light_of_path(const SkyLight &light, const Transfer &ray, std::size_t wave);
 
-/// Light of the sea where a ray meets it, and of the air before it; `passed` is 0. ray: up to there.
-PathLight light_of_sea(const SkyLight &light, const Transfer &ray, std::size_t wave);
-
 /// Irradiance [W m^-2 nm^-1] on an upright white surface that faces the eye from an azimuth (from the picture's
 /// centre): the Sun as the air leaves it, and half a sky and half a sea as bright as those at 10 degrees.
 double irradiance_on_upright(const SkyLight &light, double azimuth_rad, std::size_t wave);

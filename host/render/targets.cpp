@@ -215,7 +215,7 @@ class SightWriter {
         for (std::size_t w = 0; w < wavelengths; ++w) {
           float *at = &table_[(e * stations + s) * f32::TARGET_CHANNEL_COUNT * padded + w];
           if (s < sights.station_m.size()) write_station(at, e, s, w);
-          else write_sea(at, e, w);
+          else at[f32::TARGET_JOINED * padded] = edge(e, w);
           if (sea.sights) at[f32::TARGET_CRESTS * padded] = sea.sights->at(e, w, s);
         }
   }
@@ -244,13 +244,6 @@ class SightWriter {
     at[f32::TARGET_JOINED * padded_] = joined(place, next, edge(e, w));
   }
 
-  void write_sea(float *at, std::size_t e, std::size_t w) const {
-    const Transfer &hidden = sea_.sights->hidden[e];
-    if (hidden.outcome == f64::RAY_GROUND)
-      write_path(at, hidden.true_altitude_rad - light_.sun.true_altitude_rad, light_of_sea(light_, hidden, w));
-    at[f32::TARGET_JOINED * padded_] = edge(e, w);
-  }
-
   const SkyLight &light_;
   const StationSights &sights_;
   const SeaDraw &sea_;
@@ -272,6 +265,7 @@ TargetTable make_target_table(const Scene &scene, const TargetShapes &shapes, co
   table.corners = shapes.corners;
   table.texels = shapes.texels;
   table.crests = sea.thresholds;
+  table.sea_entry = sea.sights ? static_cast<int>(sea.sights->sea_entry) : 0;
   table.first_crest_rad = static_cast<float>(sea.first_rad);
   table.crests_per_rad = static_cast<float>(1 / sea.step_rad);
   table.sight = SightWriter(light, sights, sea, edges, wavelengths_nm.size(), padded).take();

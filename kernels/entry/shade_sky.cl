@@ -48,8 +48,12 @@ __kernel void shade_sky(__global const float *table, __global const float *limb,
         real radiance =
             sky_radiance(&view, table, limb, waves, g * LANES, entry, at - (float)entry, LANE(half_azimuth, i));
 #if defined(WITH_TARGETS)
-        radiance = before_targets(&view, &targets, radiance, g * LANES, entry, at - (float)entry,
-                                  LANE(d.azimuth_rad, i), LANE(half_azimuth, i));
+        const float azimuth = LANE(d.azimuth_rad, i);
+        real sea = radiance;
+        if (waves_hide(&targets, g * LANES, entry, at - (float)entry, azimuth))
+          sea = sky_radiance(&view, table, limb, waves, g * LANES, scale.sea_entry, 0.0f, LANE(half_azimuth, i));
+        radiance = before_targets(&view, &targets, radiance, sea, g * LANES, entry, at - (float)entry, azimuth,
+                                  LANE(half_azimuth, i));
 #endif
         sum[g] += radiance;
         band += radiance;

@@ -36,13 +36,14 @@ typedef struct TargetTexel {
    target the radiance of its outline, or of a white texel of its picture [W m^-2 sr^-1 nm^-1]. */
 enum TargetLightRow { TARGET_LIGHT_PLACE = 0, TARGET_LIGHT_FIRST = 1 };
 
-/* What the kernel is told beside the tables. With waves one station more is that of the sea, the last: its light is
-   that of the water where crests stand in the way, its crests those of the whole ray.
+/* What the kernel is told beside the tables. With waves one station more is that of the sea, the last, whose crests are
+   those of the whole ray; where they stand in the way the sea is seen as at `sea_entry`, just below the horizon.
 
    One draw of the waves hides a ray if the crests in its way are more than a threshold, a smooth random function of
    azimuth (render/sea.hpp), tabulated over the picture. */
 typedef struct TargetScale {
   int targets, stations;
-  int crests; /* entries of the table of thresholds; 0: no waves */
+  int crests;    /* entries of the table of thresholds; 0: no waves */
+  int sea_entry; /* of the transfer table */
   float first_crest_rad, crests_per_rad;
 } TargetScale;

@@ -139,16 +139,24 @@ DEVICE real light_of_target(const SkyView *v, const StationSight *s, real radian
   return radiance * s->passed + s->airlight + s->aureole * aureole(chord2, v->phase_asymmetry);
 }
 
-/* The radiance of a ray of sight, given that of what lies behind all targets. */
-DEVICE real before_targets(const SkyView *v, const Targets *t, real behind, int wave, int entry, float fraction,
-                           float azimuth_rad, float half_azimuth) {
+/* Whether waves hide anything of a ray of sight at some wavelength. */
+DEVICE int waves_hide(const Targets *t, int wave, int entry, float fraction, float azimuth_rad) {
+  if (t->scale.crests == 0) return 0;
+  const StationSight sight = station_sight(t, t->scale.stations - 1, wave, entry, fraction);
+  return any_lane(sight.crests > crest_threshold(t, azimuth_rad));
+}
+
+/* The radiance of a ray of sight, given that of what lies behind targets and waves, and that of the sea, which counts
+   where waves hide the ray. */
+DEVICE real before_targets(const SkyView *v, const Targets *t, real behind, real sea, int wave, int entry,
+                           float fraction, float azimuth_rad, float half_azimuth) {
   real radiance = behind;
   const float threshold = crest_threshold(t, azimuth_rad);
   int station = t->scale.crests > 0 ? t->scale.stations - 1 : -1;
   StationSight sight;
-  if (station >= 0) { /* waves before the sky */
+  if (station >= 0) {
     sight = station_sight(t, station, wave, entry, fraction);
-    radiance = sight.crests > threshold ? light_of_target(v, &sight, SPREAD(0), half_azimuth) : radiance;
+    radiance = sight.crests > threshold ? sea : radiance;
   }
   for (int k = 0; k < t->scale.targets; ++k) {
     GLOBAL const Target *target = t->rows + k;

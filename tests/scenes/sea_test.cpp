@@ -132,7 +132,8 @@ TEST(Sea, HidesWhatStandsBehindIt) {
 // oracle: thresholds are -ln of a uniform number: each tenth of 0..1 has a tenth of the azimuths; neighbours are alike
 // within
 //         the width and not beyond
-// tolerance: 400 widths: three times sqrt(0.1 x 0.9/400) = 0.045; correlation 0.1
+// tolerance: 400 widths: three times sqrt(0.1 x 0.9/400) = 0.045; far correlation 0.3: three
+//            times sqrt(0.5/64), what 64 cosines leave
 TEST(Sea, ThresholdsAreExponentiallyDistributed) {
   const double width = 1e-3, step = width / 10;
   const std::vector<float> thresholds = crest_thresholds(0, step, 4000, width, 5);
@@ -149,7 +150,7 @@ TEST(Sea, ThresholdsAreExponentiallyDistributed) {
     return product / square;
   };
   EXPECT_GT(correlation(1), 0.95);
-  EXPECT_LT(std::abs(correlation(50)), 0.15);
+  EXPECT_LT(std::abs(correlation(50)), 0.3);
 }
 
 }  // namespace greenray
