@@ -37,16 +37,17 @@ DEVICE StationSight station_sight(const Targets *t, int station, int wave, int e
   return s;
 }
 
-/* 1 inside an outline (even-odd rule), 0 outside. */
+/* 1 inside an outline (even-odd rule), 0 outside: how many sides lie straight above. Wavelengths part in height alone,
+   so which sides do is the same for all lanes. */
 DEVICE real outline_cover(GLOBAL const float *corner, int corners, float across_m, real up_m) {
   mask inside = SPREAD_INT(0);
   GLOBAL const float *from = corner + 2 * (corners - 1);
   for (int k = 0; k < corners; ++k) {
     GLOBAL const float *to = corner + 2 * k;
-    const float rise = to[1] - from[1];
-    const float across_per_up = rise != 0.0f ? (to[0] - from[0]) / rise : 0.0f;
-    const mask passes = (up_m < SPREAD(from[1])) != (up_m < SPREAD(to[1]));
-    inside = inside ^ (passes & (SPREAD(across_m) < from[0] + (up_m - from[1]) * across_per_up));
+    if ((from[0] <= across_m) != (to[0] <= across_m)) {
+      const float side_m = from[1] + (across_m - from[0]) * ((to[1] - from[1]) / (to[0] - from[0]));
+      inside = inside ^ (up_m < SPREAD(side_m));
+    }
     from = to;
   }
   return inside ? SPREAD(1) : SPREAD(0);

@@ -513,8 +513,8 @@ TEST(Targets, PicturesAreTheRightWayUp) {
   const Frame frame{0.0, 10, 8, 8, 4};
   const Rendered picture =
       make(dark + "[[target]]\nkind = \"billboard\"\npicture = \"" + file.path.string() +
-               "\"\ndistance_m = 1000.0\nwidth_m = 40.0\nbase_m = -18.0\nheight_m = 40.0\nluminance_cd_m2 = 100.0\n",
-           Frame{0.0, 1000, 8, 8, 64}, {"atmosphere.surface=flat", "observer.height_m=2.0"}, straight);
+               "\"\ndistance_m = 1000.0\nwidth_m = 40.0\nbase_m = 32.0\nheight_m = 40.0\nluminance_cd_m2 = 100.0\n",
+           Frame{0.0, 1000, 8, 8, 64}, {"atmosphere.surface=flat", "observer.height_m=52.0"}, straight);
   const Rendered white = make(dark + rectangle(1000, 1000, -500, 1000), frame, {}, straight);
   const double full = value(white.image, 1, 1);
   // A pixel is 4.848 m: rows and columns 1 and 6 lie between the texels' middles and the picture's edges.
