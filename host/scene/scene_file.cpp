@@ -191,6 +191,7 @@ Scene parse_scene(const std::string &file, std::string_view text, const std::vec
   const TomlTable sky = root.table("sky");
   sky.read_word("model", scene.sky.model, {{"plain", SkyScene::Model::plain}, {"academic", SkyScene::Model::academic}});
   sky.read("sea_reflectance", scene.sky.sea_reflectance, {0, 1});
+  read_sea(root.table("sea"), scene.sea);
   read_spectrum(root.table("spectrum"), scene.spectrum);
   read_tracing(root.table("tracing"), scene.tracing);
   read_eye_scene(root.table("eye"), scene.eye);
