@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <iomanip>
@@ -12,20 +11,17 @@
 #include <sstream>
 
 #include "cli/commands.hpp"
+#include "cli/observe.hpp"
 #include "cli/progress.hpp"
 #include "cli/render_command.hpp"
 #include "cli/room_command.hpp"
-#include "image/colour.hpp"
 #include "image/exr.hpp"
-#include "image/picture_sink.hpp"
 #include "render/report.hpp"
-#include "render/scene_eye.hpp"
 #include "report/sky_report.hpp"
 #include "scene/scene_file.hpp"
 #include "support/angle.hpp"
 #include "support/atomic_file.hpp"
 #include "support/version.hpp"
-#include "vision/report_json.hpp"
 
 namespace greenray::cli {
 namespace {
@@ -146,30 +142,6 @@ void check_writable(const fs::path &path) {
   probe.write("x");
 }
 
-struct Observed {
-  CameraReport camera;
-  nlohmann::json eye;  // null: a camera
-};
-
-/// The PNG of the scene's observer.
-Observed develop(const Scene &scene, const RenderPlan &plan, const SpectralImage &image, AtomicFile &png) {
-  Observed observed;
-  if (scene.eye.model != EyeScene::Model::human) {
-    const CameraPicture camera = develop_camera(rgb_from_spectral(image), {scene.eye.exposure_ev, 8, true});
-    write_png(png, camera.pixels);
-    observed.camera = camera.report;
-    return observed;
-  }
-  const double half_width = std::tan(to_rad(scene.observer.fov_deg) / 2) * image.width / plan.size[0];
-  const bool cropped = image.width != plan.size[0];
-  const double fov_deg = cropped ? to_deg(2 * std::atan(half_width)) : scene.observer.fov_deg;
-  const vision::EyeOptions options = eye_options_of(scene.eye, fov_deg);
-  const auto source = picture_source(image, fov_deg);
-  const auto sink = png_sink(png, image.width, image.height);
-  observed.eye = vision::report_json(vision::HumanEye(options).develop(*source, *sink), options);
-  return observed;
-}
-
 }  // namespace
 
 int render_picture(const Arguments &a, Session &session) {
@@ -209,7 +181,7 @@ int render_picture(const Arguments &a, Session &session) {
     std::cerr << "warning: " << written.not_finite_replaced << " values were not finite and are written as 0\n";
   const auto eye_begin = Clock::now();
   AtomicFile &png = files.add(fs::path(exr).replace_extension(".png"));
-  const Observed observed = develop(scene, plan, rendered.image, png);
+  const Observed observed = observe(scene.eye, scene.observer.fov_deg, plan.size[0], rendered.image, png);
   const double eye_seconds = seconds_since(eye_begin);
   nlohmann::json report =
       report_json(scene, plan, options, rendered.report, *device, observed.camera, {eye_seconds, seconds_since(begin)});
@@ -271,11 +243,13 @@ std::string picture_key(const Arguments &a) {
 namespace {
 
 int check(const Arguments &a) {
-  if (const std::optional<int> done = check_room_scene(a)) return *done;
+  Session session;
+  if (const std::optional<int> done = check_room_scene(a, session)) return *done;
   const RenderOptions options = options_from(a);
   const Scene scene = load_scene(a.positional()[0], a.all("--set"), a.positional_place(0));
   const RenderPlan plan = plan_render(scene, options);
   require_sun_in_sky(scene, options);
+  (void)session.device(a);  // is there one?
   if (a.has("--json")) {
     nlohmann::json out{{"scene", scene.name}, {"scene_hash", scene_hash(scene)}, {"plan", plan_json(plan)}};
     std::cout << out.dump(1) << "\n";

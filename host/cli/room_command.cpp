@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "atmosphere/profile_file.hpp"
+#include "cli/observe.hpp"
 #include "cli/progress.hpp"
 #include "image/colour.hpp"
 #include "image/develop.hpp"
@@ -17,6 +18,7 @@
 #include "render/report.hpp"
 #include "render/room_checkpoint.hpp"
 #include "render/room_choices.hpp"
+#include "render/room_estimate.hpp"
 #include "render/room_report.hpp"
 #include "report/room_page.hpp"
 #include "support/atomic_file.hpp"
@@ -155,12 +157,43 @@ Raster write_photon_map(const SpectralImage &map, const fs::path &exr, AtomicFil
   return pixels;
 }
 
+/// Picture, PNG and report, all or none.
+void write_room(const Arguments &a, const RoomScene &scene, const RoomOptions &options, const Device &device,
+                RoomPicture &picture, const fs::path &exr, Clock::time_point begin, nlohmann::json &report) {
+  const auto develop_begin = Clock::now();
+  AtomicFileSet files;
+  AtomicFile &png = files.add(fs::path(exr).replace_extension(".png"));
+  const Observed observed = observe(scene.eye, scene.camera.fov_deg, options.size[0], picture.image, png);
+  const double develop_seconds = seconds_since(develop_begin);
+  keep_channels(scene.aovs, picture.image);
+  write_exr(files.add(exr), picture.image, attributes_of(scene, options, device), {scene.output.spectral});
+  std::optional<Raster> photon_map;
+  if (picture.photon_map)
+    photon_map = write_photon_map(*picture.photon_map, exr, files, attributes_of(scene, options, device));
+  report = room_report_json(scene, options, picture.report, device, develop_seconds, seconds_since(begin));
+  report["plan"]["choices"] = choices_json(room_choices(scene, options));
+  if (!observed.eye.is_null()) report["eye"] = observed.eye;
+  report["key"] = picture_key(a);
+  if (wants_report(a)) {
+    png.seal();
+    report["command"] = command_line(a);
+    files.add(fs::path(exr).replace_extension(".html")).write(room_page(report, read_png(png.temporary()), photon_map));
+  }
+  files.add(fs::path(exr).replace_extension(".json")).write(report.dump(1) + "\n");
+  stop_if_asked();
+  files.commit();
+}
+
 }  // namespace
 
 std::optional<std::string> room_scene_hash(const Arguments &a) {
   const auto text = room_text(a.positional()[0], a.positional_place(0));
   if (!text) return std::nullopt;
-  return room_hash(parse_room(text->first, text->second, a.all("--set")));
+  const RoomScene scene = parse_room(text->first, text->second, a.all("--set"));
+  std::string hash = room_hash(scene);
+  for (const auto &[key, value] : scene.values)
+    if (key.starts_with("eye.")) hash += " " + key + "=" + value;  // the picture for the eye, too
+  return hash;
 }
 
 std::optional<int> render_room_scene(const Arguments &a, Session &session) {
@@ -169,7 +202,7 @@ std::optional<int> render_room_scene(const Arguments &a, Session &session) {
   if (!text) return std::nullopt;
   const RoomScene scene = parse_room(text->first, text->second, a.all("--set"));
   RoomOptions options = options_from(a, scene);
-  const bool with_page = wants_report(a);
+  const bool with_page = wants_report(a);  // a wrong word is told before the work
   fs::path exr = a.has("--output") ? fs::path(a.file("--output", ".exr")) : fs::path(scene.output.image);
   if (exr.empty()) exr = fs::path("out") / (scene.name + ".exr");
   const std::shared_ptr<Device> device = session.device(a);
@@ -187,26 +220,14 @@ std::optional<int> render_room_scene(const Arguments &a, Session &session) {
   RoomPicture picture = render_room(scene, options, device);
   progress.end();
 
-  const auto develop_begin = Clock::now();
-  const CameraPicture camera = develop_camera(rgb_from_spectral(picture.image), {scene.eye.exposure_ev, 8, true});
-  const double develop_seconds = seconds_since(develop_begin);
-  keep_channels(scene.aovs, picture.image);
-  AtomicFileSet files;
-  write_exr(files.add(exr), picture.image, attributes_of(scene, options, *device), {scene.output.spectral});
-  write_png(files.add(fs::path(exr).replace_extension(".png")), camera.pixels);
-  std::optional<Raster> photon_map;
-  if (picture.photon_map)
-    photon_map = write_photon_map(*picture.photon_map, exr, files, attributes_of(scene, options, *device));
-  nlohmann::json report =
-      room_report_json(scene, options, picture.report, *device, develop_seconds, seconds_since(begin));
-  report["key"] = picture_key(a);
-  if (with_page) {
-    report["command"] = command_line(a);
-    files.add(fs::path(exr).replace_extension(".html")).write(room_page(report, camera.pixels, photon_map));
+  nlohmann::json report;
+  try {
+    write_room(a, scene, options, *device, picture, exr, begin, report);
+  } catch (const RunError &error) {
+    if (!fs::exists(options.checkpoint)) throw;
+    throw Error(ExitCode::stopped_early,
+                std::string(error.what()) + "; the checkpoint is kept in " + options.checkpoint.string());
   }
-  files.add(fs::path(exr).replace_extension(".json")).write(report.dump(1) + "\n");
-  stop_if_asked();
-  files.commit();
   remove_checkpoint(options.checkpoint);
   if (json) std::cout << nlohmann::json{{"event", "done"}, {"report", report}}.dump() << "\n";
   if (!quiet && !json) {
@@ -225,7 +246,7 @@ void print_choices(const std::vector<PlanChoice> &choices) {
   }
 }
 
-std::optional<int> check_room_scene(const Arguments &a) {
+std::optional<int> check_room_scene(const Arguments &a, Session &session) {
   const auto text = room_text(a.positional()[0], a.positional_place(0));
   if (!text) return std::nullopt;
   const RoomScene scene = parse_room(text->first, text->second, a.all("--set"));
@@ -233,6 +254,10 @@ std::optional<int> check_room_scene(const Arguments &a) {
   const std::vector<PlanChoice> choices = room_choices(scene, options);
   nlohmann::json plan = room_plan_json(scene, options);
   plan["choices"] = choices_json(choices);
+  const RoomEstimate cost = estimate_room(scene, options, session.device(a));
+  plan["device_bytes"] = cost.device_bytes;
+  plan["seconds_estimated"] = cost.seconds ? nlohmann::json(*cost.seconds) : nlohmann::json();
+  plan["seconds_a_pass_estimated"] = cost.seconds_a_pass;
   if (a.has("--json")) {
     std::cout << nlohmann::json{{"scene", scene.name}, {"scene_hash", room_hash(scene)}, {"plan", plan}}.dump(1)
               << "\n";
@@ -243,6 +268,13 @@ std::optional<int> check_room_scene(const Arguments &a) {
             << " wavelengths\n"
             << "photons  " << stopping_words(options, plan_room(scene, options)) << "; " << scene.photons.gather
             << " an estimate; " << scene.surfaces.triangles.size() << " triangles\n";
+  std::cout << std::setprecision(2) << "memory   " << cost.device_bytes / 1000000 + 1 << " MB on the device\n"
+            << "time     about ";
+  if (cost.seconds) std::cout << *cost.seconds << " s";
+  else std::cout << cost.seconds_a_pass << " s a pass";
+  std::cout << ", from a probe that took " << cost.probe_seconds << " s; kernels, once, " << cost.compile_seconds
+            << " s\n"
+            << std::setprecision(6);
   print_choices(choices);
   for (const auto &[key, words] : {std::pair{"modelled", "modelled "}, {"left_out", "left out "}})
     for (const std::string what : plan.at(key)) std::cout << words << what << "\n";
