@@ -249,7 +249,7 @@ int check(const Arguments &a) {
   const Scene scene = load_scene(a.positional()[0], a.all("--set"), a.positional_place(0));
   const RenderPlan plan = plan_render(scene, options);
   require_sun_in_sky(scene, options);
-  (void)session.device(a);  // is there one?
+  if (a.has("--device")) (void)session.device(a);  // is there such a one?
   if (a.has("--json")) {
     nlohmann::json out{{"scene", scene.name}, {"scene_hash", scene_hash(scene)}, {"plan", plan_json(plan)}};
     std::cout << out.dump(1) << "\n";

@@ -246,6 +246,33 @@ void print_choices(const std::vector<PlanChoice> &choices) {
   }
 }
 
+namespace {
+
+/// From a probe on the device; nothing where no device was asked for and there is none.
+std::optional<RoomEstimate> cost_of(const RoomScene &scene, const RoomOptions &options, const Arguments &a,
+                                    Session &session) {
+  try {
+    return estimate_room(scene, options, session.device(a));
+  } catch (const DeviceError &) {
+    if (a.has("--device")) throw;
+    return std::nullopt;
+  }
+}
+
+void print_cost(const std::optional<RoomEstimate> &cost) {
+  if (!cost) {
+    std::cout << "time     not known: there is no OpenCL device\n";
+    return;
+  }
+  std::cout << std::setprecision(2) << "memory   " << cost->device_bytes / 1000000 + 1 << " MB on the device\n"
+            << "time     about " << cost->seconds.value_or(cost->seconds_a_pass) << (cost->seconds ? " s" : " s a pass")
+            << ", from a probe that took " << cost->probe_seconds << " s; kernels, once, " << cost->compile_seconds
+            << " s\n"
+            << std::setprecision(6);
+}
+
+}  // namespace
+
 std::optional<int> check_room_scene(const Arguments &a, Session &session) {
   const auto text = room_text(a.positional()[0], a.positional_place(0));
   if (!text) return std::nullopt;
@@ -254,10 +281,12 @@ std::optional<int> check_room_scene(const Arguments &a, Session &session) {
   const std::vector<PlanChoice> choices = room_choices(scene, options);
   nlohmann::json plan = room_plan_json(scene, options);
   plan["choices"] = choices_json(choices);
-  const RoomEstimate cost = estimate_room(scene, options, session.device(a));
-  plan["device_bytes"] = cost.device_bytes;
-  plan["seconds_estimated"] = cost.seconds ? nlohmann::json(*cost.seconds) : nlohmann::json();
-  plan["seconds_a_pass_estimated"] = cost.seconds_a_pass;
+  const std::optional<RoomEstimate> cost = cost_of(scene, options, a, session);
+  if (cost) {
+    plan["device_bytes"] = cost->device_bytes;
+    plan["seconds_estimated"] = cost->seconds ? nlohmann::json(*cost->seconds) : nlohmann::json();
+    plan["seconds_a_pass_estimated"] = cost->seconds_a_pass;
+  }
   if (a.has("--json")) {
     std::cout << nlohmann::json{{"scene", scene.name}, {"scene_hash", room_hash(scene)}, {"plan", plan}}.dump(1)
               << "\n";
@@ -268,13 +297,7 @@ std::optional<int> check_room_scene(const Arguments &a, Session &session) {
             << " wavelengths\n"
             << "photons  " << stopping_words(options, plan_room(scene, options)) << "; " << scene.photons.gather
             << " an estimate; " << scene.surfaces.triangles.size() << " triangles\n";
-  std::cout << std::setprecision(2) << "memory   " << cost.device_bytes / 1000000 + 1 << " MB on the device\n"
-            << "time     about ";
-  if (cost.seconds) std::cout << *cost.seconds << " s";
-  else std::cout << cost.seconds_a_pass << " s a pass";
-  std::cout << ", from a probe that took " << cost.probe_seconds << " s; kernels, once, " << cost.compile_seconds
-            << " s\n"
-            << std::setprecision(6);
+  print_cost(cost);
   print_choices(choices);
   for (const auto &[key, words] : {std::pair{"modelled", "modelled "}, {"left_out", "left out "}})
     for (const std::string what : plan.at(key)) std::cout << words << what << "\n";
