@@ -40,7 +40,7 @@ std::string room_page(const Json &numbers, const Raster &developed, const std::o
   if (photon_map)
     page.picture(shrunk(*photon_map, picture_px), "the photon map", std::min(picture_px, photon_map->width));
   facts_of(page, "Noise and bias, relative to the mean", numbers.at("error"));
-  facts_of(page, "Energy of all photons [W/nm]", numbers.at("energy_W_nm"));
+  facts_of(page, "Energy of the photons of a pass [W/nm]", numbers.at("energy_W_nm"));
   facts_of(page, "Where photons ended", numbers.at("outcomes"));
   facts_of(page, "Photons", numbers.at("photons"));
   facts_of(page, "Passes", numbers.at("passes"));
