@@ -54,6 +54,12 @@ struct SkyScene {
   double sea_reflectance = 0.35;  // of the sky light a low view meets, waves included
 };
 
+struct SeaScene {
+  bool rough = false;                          // [sea] in the scene: waves roughen the horizon
+  double wind_m_s = 0;                         // 10 m above the water
+  std::optional<double> significant_height_m;  // of the waves; default: of a full-grown sea in that wind
+};
+
 struct SpectrumScene {
   std::array<double, 2> range_nm{390.0, 720.0};
   int samples = 24;  // spaced evenly in refractivity
@@ -98,6 +104,7 @@ struct Scene {
   ObserverScene observer;
   SunScene sun;
   SkyScene sky;
+  SeaScene sea;
   SpectrumScene spectrum;
   TracingScene tracing;
   EyeScene eye;
