@@ -17,13 +17,6 @@ namespace {
 using testing_data::ReferenceRow;
 using testing_data::ReferenceTable;
 
-std::string key(const std::string &name, double value) {
-  std::ostringstream text;
-  text.precision(12);
-  text << std::fixed << name << "=" << value;
-  return text.str();
-}
-
 /// Once for every scene: they take a second each.
 const SunsetFigures &figures_of(const std::string &scene) {
   static std::map<std::string, SunsetFigures> known;
@@ -60,7 +53,9 @@ std::vector<std::string> scenes_in(const ReferenceTable &table) {
 void expect_bands(const std::vector<const ReferenceRow *> &rows, const std::vector<ApparentSpan> &sky) {
   for (const ReferenceRow *row : rows) {
     const double deg = row->number("apparent_deg");
-    if (row->text("kind") == "horizon") EXPECT_NEAR(sky.front().low_deg, deg, 1e-5);
+    if (row->text("kind") == "horizon") {
+      EXPECT_NEAR(sky.front().low_deg, deg, 1e-5);
+    }
     if (row->text("kind") != "strip") continue;
     ASSERT_EQ(sky.size(), 2u);
     EXPECT_NEAR(sky[0].high_deg, -deg, 1e-5);
