@@ -10,6 +10,7 @@
 #include "scene/ephemeris.hpp"
 #include "scene/eye_file.hpp"
 #include "scene/target_file.hpp"
+#include "scene/terrain_file.hpp"
 #include "support/embedded.hpp"
 #include "support/toml_reader.hpp"
 
@@ -197,6 +198,7 @@ Scene parse_scene(const std::string &file, std::string_view text, const std::vec
   read_eye_scene(root.table("eye"), scene.eye);
   read_output(root.table("output"), scene.output);
   read_targets(root, fs::path(file).parent_path().string(), scene);
+  read_terrain(document, root, fs::path(file).parent_path().string(), scene);
   scene.sweeps = read_sweeps(document, root);
   document.finish();
   return scene;
