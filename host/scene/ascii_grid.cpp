@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <map>
 
+#include "atmosphere/profile_file.hpp"
 #include "scene/height_tile.hpp"
 #include "support/embedded.hpp"
-#include "support/toml_reader.hpp"
 
 namespace greenray {
 namespace {
