@@ -29,11 +29,11 @@ double top_m(const TargetScene &target) {
   return target.base_m + highest;
 }
 
-/// Looks along the columns of the picture, a place every 100 m or node.
+/// Looks along azimuths of the picture, a place every 100 m.
 SceneTarget highest_ground(const Scene &scene) {
   constexpr int columns = 721;
+  constexpr double step_m = 100;
   const double half = to_rad(scene.observer.fov_deg) / 2, middle = to_rad(scene.observer.azimuth_deg);
-  const double step_m = std::max(scene.terrain.field->spacing_m(), 100.0);
   SceneTarget highest{{}, "highest terrain"};
   std::size_t hint = 0;
   for (int c = 0; c < columns; ++c) {
