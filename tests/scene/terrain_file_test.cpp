@@ -61,7 +61,7 @@ class TerrainFiles : public ::testing::Test {
   fs::path folder;
 };
 
-int ramp(int row, int column) { return 4 * (row % 500) - 3 * (column % 300); }
+int ramp(int row, int column) { return 4 * (row % 500) - column % 300; }
 
 }  // namespace
 
@@ -127,12 +127,48 @@ TEST_F(TerrainFiles, AWrongTileHasOneClearComplaint) {
   EXPECT_NE(said_of(file("N46E0071.hgt", right)).find("such as N46E007.hgt"), std::string::npos);
   EXPECT_NE(said_of(file("N99E007.hgt", right)).find("such as N46E007.hgt"), std::string::npos);
   EXPECT_NE(said_of((folder / "N47E007.hgt").string()).find("no such terrain file"), std::string::npos);
-  EXPECT_NE(said_of(file("N46E007.asc", right)).find("ends in .hgt (SRTM), .tif"), std::string::npos);
+  EXPECT_NE(said_of(file("N46E007.dem", right)).find("ends in .hgt (SRTM), .tif"), std::string::npos);
   const std::string swapped = hgt_bytes(1201, [](int, int) { return 0x0140 << 0; });
   std::string little = swapped;
   for (std::size_t i = 0; i < little.size(); i += 2) std::swap(little[i], little[i + 1]);
   EXPECT_EQ(said_of(file("N46E009.hgt", swapped)), "");
   EXPECT_NE(said_of(file("N46E010.hgt", little)).find("wrong byte order"), std::string::npos);
+}
+
+// oracle: the text, line by line; a corner is half a cell outside the first node, a centre is the node
+// tolerance: none but rounding of the places
+TEST_F(TerrainFiles, GridsOfHeightsAsText) {
+  const std::string heights = "10 20 30\n40 -9 60.5\n";
+  const HeightTile corner = read_height_tile(
+      file("corner.asc", "NCOLS 3\nnrows 2\nxllcorner 7.0\nyllcorner 46.0\ncellsize 0.5\nNODATA_value -9\n" + heights),
+      {});
+  EXPECT_EQ(corner.rows, 2);
+  EXPECT_EQ(corner.columns, 3);
+  EXPECT_DOUBLE_EQ(corner.west_deg, 7.25);
+  EXPECT_DOUBLE_EQ(corner.south_deg, 46.25);
+  EXPECT_DOUBLE_EQ(corner.north_deg(), 46.75);
+  EXPECT_EQ(corner.at(0, 2), 30.0f);
+  EXPECT_EQ(corner.at(1, 2), 60.5f);
+  EXPECT_TRUE(std::isnan(corner.at(1, 1)));
+  const std::string header = "ncols 3\nnrows 2\nxllcenter 7.0\nyllcenter 46.0\ncellsize 0.5\n";
+  EXPECT_DOUBLE_EQ(read_height_tile(file("centre.asc", header + heights), {}).west_deg, 7);
+
+  const auto said = [&](const std::string &text) {
+    try {
+      read_height_tile(file("wrong.asc", text), {});
+    } catch (const InputError &error) {
+      EXPECT_EQ(error.diagnostics().size(), 1u);
+      return error.diagnostics()[0].text();
+    }
+    return std::string();
+  };
+  EXPECT_NE(said(header + "10 20 30\n40 50\n").find("found 5: cut short"), std::string::npos);
+  EXPECT_NE(said(header + heights + "70\n").find("asc:8:1: expected the end after 6"), std::string::npos);
+  EXPECT_NE(said(header + "10 20 high\n40 50 60\n").find("asc:6:7: expected a height"), std::string::npos);
+  EXPECT_NE(said("ncols 3\nnrows 2\nxllcenter 7\nyllcenter 46\n" + heights).find("'cellsize'"), std::string::npos);
+  EXPECT_NE(said("ncols 3\nrows 2\n").find("asc:2:1: expected one of"), std::string::npos);
+  EXPECT_NE(said("ncols 3\nnrows 2\nxllcenter 7e5\nyllcenter 5e6\ncellsize 30\n" + heights).find("outside the Earth"),
+            std::string::npos);
 }
 
 #ifdef GREENRAY_WITH_TIFF

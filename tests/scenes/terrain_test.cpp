@@ -142,8 +142,11 @@ TEST(Terrain, SkylineOfAConeInClosedForm) {
       const double aside = to_rad(aside_deg);
       const double known = skyline_of([&](double d) { return cone.height_m(d, aside); }, 50, 40e3, air.k);
       const double ours = look.skyline_rad(aside);
-      if (aside_deg == 0) EXPECT_NEAR(to_arcsec(ours - known), -17, 18) << air.keys;
-      else EXPECT_NEAR(to_arcsec(ours), to_arcsec(known), 1.5) << air.keys << " " << aside_deg;
+      if (aside_deg == 0) {
+        EXPECT_NEAR(to_arcsec(ours - known), -17, 18) << air.keys;
+      } else {
+        EXPECT_NEAR(to_arcsec(ours), to_arcsec(known), 1.5) << air.keys << " " << aside_deg;
+      }
     }
     EXPECT_LT(*look.report().terrain_arcsec, 36 * 0.05);
   }
@@ -226,7 +229,9 @@ TEST(Terrain, HillsAreMetWhereBruteForceMeetsThemInMirages) {
       }
     EXPECT_GT(compared, 250) << air;
     EXPECT_LT(left_out, 60) << air;
-    if (air == "fata-morgana") EXPECT_GT(inverted, 0);
+    if (air == "fata-morgana") {
+      EXPECT_GT(inverted, 0);
+    }
   }
 }
 
@@ -251,9 +256,15 @@ TEST(Terrain, PicturesShowItBeforeTheSkyAndTargetsBeforeAndBehindIt) {
   for (std::size_t i = 0; i < image.pixels(); ++i) {
     const double d = static_cast<double>(distance[i]), bright = static_cast<double>(image.radiance[5 * i + 2]);
     if (d == 0) continue;
-    if (std::abs(d - 10e3) < 1) ++near;
-    else if (std::abs(d - 35e3) < 1) ++behind, EXPECT_GT(static_cast<double>(height[i]), 800);
-    else ++hill, EXPECT_NEAR(static_cast<double>(height[i]), cone.height_m(d, azimuth_of(image, i, scene)), 12);
+    if (std::abs(d - 10e3) < 1) {
+      ++near;
+    } else if (std::abs(d - 35e3) < 1) {
+      ++behind;
+      EXPECT_GT(static_cast<double>(height[i]), 800);
+    } else {
+      ++hill;
+      EXPECT_NEAR(static_cast<double>(height[i]), cone.height_m(d, azimuth_of(image, i, scene)), 12);
+    }
     EXPECT_GT(bright, 0);
   }
   EXPECT_GT(near, 200);
