@@ -61,8 +61,8 @@ void place_eye(const TomlTable &observer, Scene &scene) {
 
 }  // namespace
 
-void read_terrain(TomlDocument &document, const TomlTable &root, const std::string &folder, Scene &scene) {
-  const TomlTable table = root.table("terrain"), observer = root.table("observer");
+void read_terrain(TomlDocument &document, const TomlTable &table, const TomlTable &observer, const std::string &folder,
+                  Scene &scene) {
   TerrainScene &terrain = scene.terrain;
   const bool placed = read_place(observer, terrain.eye);
   if (!table.exists()) {

