@@ -28,6 +28,7 @@ namespace {
 // Tags and keys: OGC 19-008r4, annexes; GDAL_NODATA is GDAL's own.
 constexpr std::uint32_t tag_pixel_scale = 33550, tag_tiepoint = 33922, tag_keys = 34735, tag_no_data = 42113;
 constexpr int key_model = 1024, key_raster = 1025, key_angle_unit = 2054, key_vertical_unit = 4099;
+constexpr std::uint64_t most_block_bytes = std::uint64_t{1} << 28;
 constexpr int model_geographic = 2, raster_point = 2, unit_degree = 9102, unit_metre = 9001;
 
 thread_local std::string tiff_said;
@@ -76,10 +77,13 @@ class GeoTiff {
     throw InputError(asked_at_, "'" + path_ + "': " + what + (tiff_said.empty() ? "" : " (" + tiff_said + ")"));
   }
 
+  /// Of a tag that libtiff does not know by itself, if the file has it with this type; else none.
   template <class Value>
-  std::vector<Value> values(std::uint32_t tag) const {
+  std::vector<Value> values(std::uint32_t tag, TIFFDataType type) const {
     std::uint32_t count = 0;
     Value *data = nullptr;
+    const TIFFField *field = TIFFFieldWithTag(tiff_.get(), tag);
+    if (!field || TIFFFieldDataType(field) != type || TIFFFieldReadCount(field) != TIFF_VARIABLE2) return {};
     if (TIFFGetField(tiff_.get(), tag, &count, &data) != 1 || !data) return {};
     return std::vector<Value>(data, data + count);
   }
@@ -95,6 +99,9 @@ class GeoTiff {
     constexpr std::uint32_t most = 40000;
     if (width < 2 || height < 2 || width > most || height > most)
       fail("expected 2 to 40000 rows and columns, found " + std::to_string(height) + " x " + std::to_string(width));
+    // No packing of bytes gains more: deflate's 1032.
+    const double most_heights = 1100.0 * static_cast<double>(std::filesystem::file_size(path_));
+    if (static_cast<double>(width) * height > most_heights) fail("more heights than the file can hold: cut short?");
     if (bands != 1) fail("expected one band of heights, found " + std::to_string(bands));
     const bool whole = format_ == SAMPLEFORMAT_INT || format_ == SAMPLEFORMAT_UINT;
     const bool real = format_ == SAMPLEFORMAT_IEEEFP;
@@ -111,8 +118,8 @@ class GeoTiff {
   }
 
   void read_place() {
-    const auto scale = values<double>(tag_pixel_scale), tie = values<double>(tag_tiepoint);
-    const auto keys = values<std::uint16_t>(tag_keys);
+    const auto scale = values<double>(tag_pixel_scale, TIFF_DOUBLE), tie = values<double>(tag_tiepoint, TIFF_DOUBLE);
+    const auto keys = values<std::uint16_t>(tag_keys, TIFF_SHORT);
     if (scale.size() < 2 || tie.size() < 6 || keys.size() < 4)
       fail("expected a GeoTIFF with ModelPixelScale, ModelTiepoint and GeoKeyDirectory");
     if (key(keys, key_model, 0) != model_geographic)
@@ -148,6 +155,7 @@ class GeoTiff {
   }
 
   void read_lines() {
+    if (TIFFScanlineSize64(tiff_.get()) > most_block_bytes) fail("expected rows of less than 256 MiB");
     std::vector<unsigned char> line(static_cast<std::size_t>(TIFFScanlineSize64(tiff_.get())));
     if (line.size() < static_cast<std::size_t>(tile_.columns) * (bits_ / 8u)) fail("rows are shorter than they say");
     for (int row = 0; row < tile_.rows; ++row) {
@@ -161,6 +169,7 @@ class GeoTiff {
     std::uint32_t width = 0, height = 0;
     TIFFGetField(tiff_.get(), TIFFTAG_TILEWIDTH, &width);
     TIFFGetField(tiff_.get(), TIFFTAG_TILELENGTH, &height);
+    if (TIFFTileSize64(tiff_.get()) > most_block_bytes) fail("expected tiles of less than 256 MiB");
     std::vector<unsigned char> block(static_cast<std::size_t>(TIFFTileSize64(tiff_.get())));
     const int wide = static_cast<int>(width), high = static_cast<int>(height), bytes = bits_ / 8;
     if (width == 0 || height == 0 || block.size() < static_cast<std::size_t>(wide) * height * (bits_ / 8u))
@@ -178,10 +187,8 @@ class GeoTiff {
 
   void mark_voids() {
     float no_data = -32768;  // what models have that name none
-    std::uint32_t count = 0;
-    const char *text = nullptr;
-    if (TIFFGetField(tiff_.get(), tag_no_data, &count, &text) == 1 && text && count > 0)
-      no_data = std::strtof(std::string(text, count).c_str(), nullptr);
+    const auto text = values<char>(tag_no_data, TIFF_ASCII);
+    if (!text.empty()) no_data = std::strtof(std::string(text.begin(), text.end()).c_str(), nullptr);
     for (float &height : tile_.height_m)
       if (height == no_data || !std::isfinite(height)) height = std::numeric_limits<float>::quiet_NaN();
   }
