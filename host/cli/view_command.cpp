@@ -11,6 +11,7 @@
 #include "atmosphere/profile_file.hpp"
 #include "render/solver_choice.hpp"
 #include "render/sun_place.hpp"
+#include "render/targets_in_view.hpp"
 #include "report/view_json.hpp"
 #include "report/view_plots.hpp"
 #include "scene/room_scene.hpp"
@@ -75,6 +76,7 @@ View view_of_scene(const Arguments &a) {
   view.request.height_m = scene.observer.height_m;
   view.request.flat = scene.atmosphere.surface == Surface::flat;
   view.request.azimuth_rad = azimuth_from_path_rad(scene);
+  view.request.scene_targets = targets_in_view(scene);
   return view;
 }
 
@@ -136,11 +138,12 @@ std::string mirages_text(const Mirages &m) {
   return out.str();
 }
 
-std::string sight_text(const SightLine &s, const Lengths &length) {
+std::string sight_text(const SightLine &s, const std::string &name, const Lengths &length) {
   std::ostringstream out;
-  out << "target   " << length(s.target_height_m) << " high at " << length.far(s.distance_m) << ": hidden up to "
-      << length(s.hidden_m) << " (without air " << length(s.hidden_straight_m) << ", with k = 0.13 "
-      << length(s.hidden_k013_m) << "), " << length(s.visible_m()) << " in sight\n";
+  out << (name.empty() ? "target   " : "target   " + name + ", ") << length(s.target_height_m) << " high at "
+      << length.far(s.distance_m) << ": hidden up to " << length(s.hidden_m) << " (without air "
+      << length(s.hidden_straight_m) << ", with k = 0.13 " << length(s.hidden_k013_m) << "), " << length(s.visible_m())
+      << " in sight\n";
   const auto images = [&](const char *what, const std::vector<SightImage> &all) {
     for (const SightImage &i : all)
       out << "         " << what << " seen at " << deg(i.apparent_altitude_deg) << " deg"
@@ -171,7 +174,8 @@ std::string as_text(const ViewDiagnosis &v, const std::string &scene, const Leng
       out << " (without air " << deg(*v.geometric_horizon_deg) << " deg, " << length.far(*v.geometric_horizon_m) << ")";
     out << "\n";
   }
-  if (v.sight) out << sight_text(*v.sight, length);
+  if (v.sight) out << sight_text(*v.sight, "", length);
+  for (const auto &[name, sight] : v.scene_sights) out << sight_text(sight, name, length);
   for (const Mirages &m : v.mirages) out << mirages_text(m);
   return out.str();
 }

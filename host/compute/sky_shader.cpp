@@ -23,7 +23,7 @@ int padded_waves(const Device &device, int wavelengths) {
 template <class T>
 class Filled {
  public:
-  Filled(Device::State &device, const std::vector<T> &values, const char *what)
+  Filled(Device::State &device, std::span<const T> values, const char *what)
       : buffer_(device, std::max<std::size_t>(values.size(), 1), what) {
     if (!values.empty()) buffer_.write(values.data(), values.size());
   }
@@ -48,6 +48,28 @@ struct TargetBuffers {
         texels(device, t.texels, "pictures of targets") {}
 };
 
+/// Terrain on the device.
+struct TerrainBuffers {
+  Filled<float> heights, tops, node_entry, rays, grounded, light, shine;
+  Filled<short> slopes;
+  Filled<f32::TerrainBlock> blocks;
+  Filled<int> first_node;
+  Filled<unsigned int> masks;
+
+  TerrainBuffers(Device::State &device, const TerrainTable &t)
+      : heights(device, t.heights, "terrain"),
+        tops(device, t.tops, "terrain in blocks"),
+        node_entry(device, t.node_entry, "nodes of rays above terrain"),
+        rays(device, t.rays, "rays above terrain"),
+        grounded(device, t.grounded, "rays that end at the sea"),
+        light(device, t.light, "light before terrain"),
+        shine(device, t.shine, "light of terrain"),
+        slopes(device, t.slopes, "slopes of terrain"),
+        blocks(device, t.blocks, "blocks of terrain"),
+        first_node(device, t.first_node, "nodes of rays above terrain"),
+        masks(device, t.masks, "terrain that rays may meet") {}
+};
+
 struct SkyShader::State {
   std::shared_ptr<Device> owner;
   Device::State &device;
@@ -57,8 +79,10 @@ struct SkyShader::State {
   cl::Kernel kernel;
   bool warm = false;
   std::optional<TargetBuffers> targets;
+  std::optional<TerrainBuffers> terrain;
 
-  State(std::shared_ptr<Device> d, const SkyTable &t, const TargetTable &before, int width, int rows)
+  State(std::shared_ptr<Device> d, const SkyTable &t, const TargetTable &before, const TerrainTable &relief, int width,
+        int rows)
       : owner(std::move(d)),
         device(owner->state()),
         table(device, t.values.size(), "the transfer table"),
@@ -70,7 +94,8 @@ struct SkyShader::State {
     limb.write(t.limb.data(), t.limb.size());
     BuildPlan plan{"shade_sky", device.lanes.lanes_float, false, false, false, false};
     plan.sky_waves = waves;
-    if (before.any()) plan.words = " -DWITH_TARGETS=1";
+    if (before.any() || relief.any()) plan.words = " -DWITH_TARGETS=1";
+    if (relief.any()) plan.words += " -DWITH_TERRAIN=1";
     const std::string key = plan.entry + build_options(plan);
     warm = device.kernels.count(key) > 0;
     try {
@@ -80,7 +105,8 @@ struct SkyShader::State {
       kernel.setArg(1, limb.cl());
       kernel.setArg(2, spectra.cl());
       kernel.setArg(3, moments.cl());
-      if (before.any()) set_targets(before);
+      if (before.any() || relief.any()) set_targets(before);
+      if (relief.any()) set_terrain(relief);
     } catch (const cl::Error &error) {
       throw_failed_call(error, "kernel shade_sky", device.info.name);
     }
@@ -95,6 +121,17 @@ struct SkyShader::State {
     kernel.setArg(9, targets->texels.cl());
     kernel.setArg(10, targets->crests.cl());
     kernel.setArg(11, t.scale());
+  }
+
+  void set_terrain(const TerrainTable &t) {
+    terrain.emplace(device, t);
+    const cl::Buffer *const buffers[] = {&terrain->heights.cl(), &terrain->slopes.cl(),     &terrain->tops.cl(),
+                                         &terrain->blocks.cl(),  &terrain->node_entry.cl(), &terrain->first_node.cl(),
+                                         &terrain->rays.cl(),    &terrain->grounded.cl(),   &terrain->masks.cl(),
+                                         &terrain->light.cl(),   &terrain->shine.cl()};
+    cl_uint argument = 12;
+    for (const cl::Buffer *buffer : buffers) kernel.setArg(argument++, *buffer);
+    kernel.setArg(argument, t.scale);
   }
 
   static std::size_t band_floats(int width, int rows, int each) {
@@ -123,9 +160,9 @@ std::size_t SkyShader::band_bytes(int width, int rows, int waves) {
   return State::band_floats(width, rows, waves + 2) * sizeof(float);
 }
 
-SkyShader::SkyShader(std::shared_ptr<Device> device, const SkyTable &table, const TargetTable &targets, int width,
-                     int most_rows)
-    : state_(std::make_unique<State>(std::move(device), table, targets, width, most_rows)) {
+SkyShader::SkyShader(std::shared_ptr<Device> device, const SkyTable &table, const TargetTable &targets,
+                     const TerrainTable &terrain, int width, int most_rows)
+    : state_(std::make_unique<State>(std::move(device), table, targets, terrain, width, most_rows)) {
   if (state_->warm) return;
   // PoCL compiles at the first launch: one pixel without samples, counted as compiling.
   f32::SkyView nothing{};

@@ -48,6 +48,32 @@ struct TargetTable {
   }
 };
 
+/// Terrain before the sky, for the same kernel (kernels/shared/terrain.h). What does not depend on light is looked at
+/// where it is kept.
+struct TerrainTable {
+  std::span<const float> heights, tops, node_entry, rays, grounded;
+  std::span<const short> slopes;
+  std::span<const f32::TerrainBlock> blocks;
+  std::span<const int> first_node;
+  std::span<const unsigned int> masks;
+  std::vector<float> light, shine;
+  f32::TerrainScale scale{};
+
+  bool any() const { return !heights.empty(); }
+  std::size_t bytes() const {
+    return (heights.size() + tops.size() + node_entry.size() + rays.size() + grounded.size() + light.size() +
+            shine.size()) *
+               sizeof(float) +
+           slopes.size() * sizeof(short) + blocks.size() * sizeof(f32::TerrainBlock) +
+           (first_node.size() + masks.size()) * sizeof(int);
+  }
+  f32::Terrain view(int sky_waves) const {
+    return {heights.data(),    slopes.data(), tops.data(),     blocks.data(), node_entry.data(),
+            first_node.data(), rays.data(),   grounded.data(), masks.data(),  light.data(),
+            shine.data(),      scale,         sky_waves};
+  }
+};
+
 /// Wavelengths rounded up to whole groups of the device's lanes.
 int padded_waves(const Device &device, int wavelengths);
 
@@ -60,9 +86,9 @@ struct SkySums {
 /// Accumulates samples for a band of rows; the band's memory counts against the device's budget.
 class SkyShader {
  public:
-  /// targets: may be empty; then the kernel is built without them.
-  SkyShader(std::shared_ptr<Device> device, const SkyTable &table, const TargetTable &targets, int width,
-            int most_rows);
+  /// targets, terrain: may be empty; then the kernel is built without them.
+  SkyShader(std::shared_ptr<Device> device, const SkyTable &table, const TargetTable &targets,
+            const TerrainTable &terrain, int width, int most_rows);
   ~SkyShader();
 
   /// Starts a band: view.first_row, view.rows. Its first samples (first_sample 0) replace what the last band left.

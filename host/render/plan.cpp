@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "render/host_rays.hpp"
+#include "render/polar_terrain.hpp"
 #include "render/renderer.hpp"
 #include "render/solver_choice.hpp"
 #include "render/spectrum.hpp"
@@ -235,6 +236,21 @@ void plan_targets(const Scene &scene, RenderPlan &plan) {
        plan.per_pixel ? 0 : 0.5 * plan.spacing_arcsec, "arcsec"});
 }
 
+void plan_terrain(const Scene &scene, RenderPlan &plan) {
+  const TerrainScene &terrain = scene.terrain;
+  if (!terrain.field) return;
+  require_tiles(scene, plan);
+  plan.terrain = true;
+  std::ostringstream words;
+  words << "up to " << terrain.farthest_m / 1000 << " km from " << terrain.field->tiles().size()
+        << (terrain.field->tiles().size() == 1 ? " file" : " files") << ", nodes " << terrain.field->spacing_m()
+        << " m apart";
+  plan.choices.push_back({"terrain", "heights over azimuth and distance", words.str(), 0.02, "pixel"});
+  plan.modelled.push_back("terrain " + words.str() + ", each place where the bent ray meets it first");
+  plan.left_out.push_back("shadows of terrain, and light that it throws on itself and on the air");
+  if (plan.section) plan.left_out.push_back("terrain in the way of the air: profiles begin at the sea everywhere");
+}
+
 void explain(const Scene &scene, const RenderOptions &options, RenderPlan &plan) {
   auto &did = plan.modelled, &left = plan.left_out;
   if (options.straight) left.push_back("bending: --straight");
@@ -286,6 +302,7 @@ RenderPlan plan_render(const Scene &scene, const RenderOptions &options) {
   note_azimuths(scene, options, plan);
   plan_targets(scene, plan);
   plan_sea(scene, plan);
+  plan_terrain(scene, plan);
 
   const bool own = options.spp || options.error_pct || options.minutes;
   const std::optional<int> spp = own ? options.spp : t.spp;

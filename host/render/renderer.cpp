@@ -11,6 +11,7 @@
 #include "render/sky_sight.hpp"
 #include "render/sun_place.hpp"
 #include "render/targets.hpp"
+#include "render/terrain_light.hpp"
 #include "render/transfer_curve.hpp"
 #include "support/angle.hpp"
 
@@ -118,11 +119,16 @@ class Renderer {
     const SeaDraw sea = sight_->sea() ? draw_waves(*sight_->sea()) : SeaDraw{};
     const TargetTable targets = make_target_table(scene_, shapes, light_, plan_.wavelengths_nm, sight_->stations(),
                                                   sight_->transfer().edges, sea, waves);
+    TerrainTable terrain;
+    if (sight_->terrain())
+      terrain = make_terrain_table(scene_, light_, plan_.wavelengths_nm, *sight_->terrain(), sight_->terrain_sights(),
+                                   waves, sight_->sea() ? sight_->sea()->horizon_m : 0);
     SkyPicture picture(plan_);
     if (plan_.per_pixel) shade_per_pixel(shapes, picture);
-    else shade_from_table(sky, targets, picture);
+    else shade_from_table(sky, targets, terrain, picture);
     picture.describe(view(), sight_->transfer());
     if (!targets.targets.empty()) picture.describe_targets(view(), targets, sight_->stations());
+    if (terrain.any()) picture.describe_terrain(view(), terrain);
     report_.noise_rms = picture.noise_rms();
     image_ = picture.take();
     report_.gather_seconds = seconds_since(begin) - (device_->compile_seconds() - compiled_before);
@@ -144,9 +150,10 @@ class Renderer {
     report_.lookup_arcsec = report_.bias = 0;
   }
 
-  void shade_from_table(const SkyTable &sky, const TargetTable &targets, SkyPicture &picture) {
-    const int rows = rows_of_band(sky, targets, picture);
-    SkyShader shader(device_, sky, targets, picture.width(), rows);
+  void shade_from_table(const SkyTable &sky, const TargetTable &targets, const TerrainTable &terrain,
+                        SkyPicture &picture) {
+    const int rows = rows_of_band(sky, targets.bytes() + terrain.bytes(), picture);
+    SkyShader shader(device_, sky, targets, terrain, picture.width(), rows);
     f32::SkyView v = view();
     for (int first = 0; first < picture.height(); first += rows) {
       v.first_row = plan_.crop[1] + first;
@@ -158,10 +165,10 @@ class Renderer {
   bool adaptive() const { return plan_.error_pct || plan_.minutes; }
 
   /// As many rows as the device has memory for; with a fixed number of samples no more than its caches like.
-  int rows_of_band(const SkyTable &sky, const TargetTable &targets, const SkyPicture &picture) const {
+  int rows_of_band(const SkyTable &sky, std::size_t bytes_before_it, const SkyPicture &picture) const {
     const std::size_t row_bytes = SkyShader::band_bytes(picture.width(), 1, sky.waves);
     const std::size_t fixed =
-        (sky.values.size() + sky.limb.size()) * sizeof(float) + targets.bytes() + device_->used_bytes();
+        (sky.values.size() + sky.limb.size()) * sizeof(float) + bytes_before_it + device_->used_bytes();
     const std::size_t left = device_->budget_bytes() > fixed ? (device_->budget_bytes() - fixed) / 10 * 9 : 0;
     std::size_t most = std::min(left, device_->info().largest_buffer_bytes);
     if (!adaptive() && device_->info().is_cpu) most = std::min(most, cached_bytes);

@@ -47,7 +47,8 @@ struct RenderPlan {
   double azimuth_from_path_rad = 0;  // of the picture's middle, clockwise from the direction of x
   std::vector<double> station_m;     // distances of targets, ascending
   bool rough_sea = false;            // waves before the horizon
-  bool per_pixel = false;            // rays for every sample instead of a transfer table
+  bool terrain = false;
+  bool per_pixel = false;  // rays for every sample instead of a transfer table
   double pixel_arcsec = 0;
   double first_elevation_deg = 0, spacing_arcsec = 0;
   std::size_t entries = 0;  // of the evenly spaced table that pixels look up
@@ -71,8 +72,9 @@ struct RenderReport {
   double table_bound_arcsec = 0;                                  // the builder's own, worst grazing ray
   double table_arcsec = 0, solver_arcsec = 0, lookup_arcsec = 0;  // errors
   std::optional<double> target_arcsec;                            // of heights at targets, as an angle at the eye
-  std::optional<double> sun_optical_depth;                        // on the Sun's own path, at the middle wavelength
-  double noise_rms = 0, bias = 0;                                 // relative to the mean radiance
+  std::optional<double> terrain_arcsec, ground_arcsec;  // of rays above terrain, and of the terrain between samples
+  std::optional<double> sun_optical_depth;              // on the Sun's own path, at the middle wavelength
+  double noise_rms = 0, bias = 0;                       // relative to the mean radiance
   int spp = 0;
   std::optional<double> sun_true_altitude_deg, sun_apparent_altitude_deg;  // of its centre, at 550 nm
   std::optional<double> horizon_altitude_deg;                              // apparent, at 550 nm

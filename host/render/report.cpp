@@ -95,6 +95,8 @@ nlohmann::json report_json(const Scene &scene, const RenderPlan &plan, const Ren
             {"solver_arcsec", report.solver_arcsec},
             {"lookup_arcsec", report.lookup_arcsec},
             {"target_arcsec", optional(report.target_arcsec)},
+            {"terrain_arcsec", optional(report.terrain_arcsec)},
+            {"ground_arcsec", optional(report.ground_arcsec)},
             {"noise_rms", report.noise_rms},
             {"bias", report.bias}}},
           {"camera",

@@ -20,6 +20,7 @@ SightPlace place_of(const f64::RayEnd &end, double distance_m, double curvature_
   place.height_m = f64::geometric_height_m(end.above_m, curvature_per_m);
   if (end.outcome != f64::RAY_IN_FLIGHT) place.height_m += (distance_m - end.run * end.sigma_m) * end.rise / end.run;
   place.bending_rad = end.bending_rad;
+  place.slope = end.rise / end.run;
   place.column = {end.column[0], end.column[1], end.column[2]};
   place.turning_points = end.turning_points;
   return place;

@@ -14,6 +14,7 @@ namespace greenray {
 struct SightPlace {
   int outcome = 0;  // in flight, or what ended it before
   double height_m = 0, bending_rad = 0;
+  double slope = 0;                // tangent of its elevation there
   std::array<double, 3> column{};  // up to there, or to its end: air [kg/m^2], ozone and aerosol [m]
   int turning_points = 0;          // before there; through a duct without end two at least
 };

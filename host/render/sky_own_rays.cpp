@@ -48,7 +48,7 @@ void add_sample(SkyRays &rays, const SkyLight &light, const OwnRayTargets &own_t
     float band = 0;
     for (int w = 0; w < waves; ++w) {
       const float behind = f32::sky_radiance(&v, sky.values.data(), sky.limb.data(), waves, w, column, 0, half_azimuth);
-      const float radiance = f32::before_targets(&v, &targets, behind, behind, w, column, 0,
+      const float radiance = f32::before_targets(&v, &targets, behind, behind, 0, w, column, 0,
                                                  row.azimuths_rad[static_cast<std::size_t>(column)], half_azimuth);
       sums.spectra[static_cast<std::size_t>(column * waves + w)] += radiance;
       band += radiance;

@@ -102,6 +102,29 @@ void SkyPicture::describe_targets(const f32::SkyView &view, const TargetTable &t
   });
 }
 
+void SkyPicture::describe_terrain(const f32::SkyView &view, const TerrainTable &table) {
+  auto &distance = image_.channels["target_distance_m"], &height = image_.channels["target_height_m"];
+  distance.resize(image_.pixels());
+  height.resize(image_.pixels());
+  const f32::Terrain terrain = table.view(1);
+  const int wave = table.scale.waves > 1 ? static_cast<int>(waves_ / 2) : 0;
+  const auto describe_pixel = [&](std::size_t i) {
+    const int x = static_cast<int>(i) % image_.width, y = static_cast<int>(i) / image_.width;
+    const f32::SkyDirection d =
+        f32::view_direction(&view, static_cast<float>(x + crop_[0]) + 0.5f, static_cast<float>(y + crop_[1]) + 0.5f);
+    const float at = std::clamp((d.elevation_rad - view.first_elevation_rad) * view.entries_per_rad, 0.0f,
+                                static_cast<float>(view.entries - 1));
+    const f32::TerrainSight sight = f32::terrain_sight(&terrain, at, d.azimuth_rad);
+    const f32::TerrainHit hit = f32::first_terrain(&terrain, &sight, wave);
+    if (hit.distance_m <= 0 || (distance[i] > 0 && distance[i] <= hit.distance_m)) return;
+    distance[i] = hit.distance_m;
+    height[i] = hit.height_m;
+  };
+  for_pieces(image_.pixels(), piece, host_threads(), [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i) describe_pixel(i);
+  });
+}
+
 double relative_noise(const SkySums &sums, int samples) {
   double variance = 0, band = 0;
   for (std::size_t i = 0; i < sums.moments.size() / 2; ++i) {

@@ -21,6 +21,8 @@ class SkyPicture {
   /// Channels target_distance_m, target_height_m: of the nearest target that covers at least half of the pixel's centre
   /// at the middle wavelength, and of the ray above the surface there; 0 where there is none.
   void describe_targets(const f32::SkyView &view, const TargetTable &targets, const StationSights &sights);
+  /// The same channels where terrain is nearer.
+  void describe_terrain(const f32::SkyView &view, const TerrainTable &terrain);
   /// RMS over pixels of the spectral mean's standard error, over the picture's mean.
   double noise_rms() const;
   SpectralImage take() { return std::move(image_); }

@@ -44,6 +44,11 @@ SkySight::SkySight(const Scene &scene, const RenderPlan &plan, const RenderOptio
       height_m_(scene.observer.height_m),
       table_arcsec_(scene.tracing.table_arcsec) {
   const auto begin = Clock::now();
+  if (plan_.terrain) {
+    progress("terrain");
+    terrain_ = polar_terrain(scene, plan_);
+    report_.ground_arcsec = terrain_->error_arcsec;
+  }
   progress("table");
   reference_ = reference_ray(scene, air_);
   horizon_rad_ = greenray::horizon_rad(reference_);
@@ -57,6 +62,7 @@ SkySight::SkySight(const Scene &scene, const RenderPlan &plan, const RenderOptio
   trace_table();
   if (!plan_.station_m.empty() || plan_.rough_sea) trace_targets(scene);
   if (plan_.rough_sea) trace_waves(scene);
+  if (plan_.terrain) trace_above_terrain(scene);
 }
 
 /// Error of the table: its rays against those of a table thirty times finer, in double on the host. Error of the
@@ -162,6 +168,16 @@ void SkySight::trace_waves(const Scene &scene) {
   SightPlaces rays(air_, three, ray_options(scene), plan_.section, device_);
   sea_ = trace_sea(rays, transfer_, plan_.station_m, sea_state(scene.sea), height_m_,
                    scene.atmosphere.profile.earth_radius_m, plan_.section);
+  report_.emit_seconds += std::max(0.0, seconds_since(begin) - (device_->compile_seconds() - compiled_before));
+}
+
+void SkySight::trace_above_terrain(const Scene &scene) {
+  const auto begin = Clock::now();
+  const double compiled_before = device_->compile_seconds();
+  const auto padded = static_cast<std::size_t>(padded_waves(*device_, static_cast<int>(plan_.wavelengths_nm.size())));
+  terrain_sights_ = trace_terrain({air_, ray_options(scene), plan_.section, device_}, plan_.bent_nm, padded, *terrain_,
+                                  curve_, transfer_, from_arcsec(plan_.pixel_arcsec));
+  report_.terrain_arcsec = terrain_sights_.error_arcsec;
   report_.emit_seconds += std::max(0.0, seconds_since(begin) - (device_->compile_seconds() - compiled_before));
 }
 

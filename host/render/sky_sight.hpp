@@ -10,6 +10,7 @@
 #include "render/host_rays.hpp"
 #include "render/renderer.hpp"
 #include "render/targets.hpp"
+#include "render/terrain_sights.hpp"
 #include "render/transfer.hpp"
 #include "render/transfer_curve.hpp"
 
@@ -32,6 +33,9 @@ class SkySight {
   SightPlaces &places() { return *places_; }
   /// What waves hide; nothing: a smooth sea.
   const std::optional<SeaSights> &sea() const { return sea_; }
+  /// Terrain and the rays above it; null: a scene without.
+  const PolarTerrain *terrain() const { return terrain_ ? &*terrain_ : nullptr; }
+  const TerrainSights &terrain_sights() const { return terrain_sights_; }
   /// Rays at one apparent altitude, [wavelengths of the picture].
   std::vector<Transfer> rays_at(double altitude_deg);
   /// Its part of a picture's report: cells, errors, rays, seconds.
@@ -42,6 +46,7 @@ class SkySight {
   void trace_table();
   void trace_targets(const Scene &scene);
   void trace_waves(const Scene &scene);
+  void trace_above_terrain(const Scene &scene);
   bool measures_solver() const;
   HostRay finer_ray(double wavelength_nm) const;
   SkyRayOptions ray_options(const Scene &scene) const;
@@ -60,6 +65,8 @@ class SkySight {
   std::optional<SightPlaces> places_;
   StationSights stations_;
   std::optional<SeaSights> sea_;
+  std::optional<PolarTerrain> terrain_;
+  TerrainSights terrain_sights_;
   RenderReport report_;
 };
 

@@ -56,6 +56,7 @@ class ShapeMaker {
     const double azimuth = to_rad(from.azimuth_deg.value_or(scene_.observer.azimuth_deg) - scene_.observer.azimuth_deg);
     t.azimuth_rad = static_cast<float>(wrapped_rad(azimuth + from.offset_m / across));
     t.metres_per_rad = static_cast<float>(across);
+    t.distance_m = static_cast<float>(from.distance_m);
     t.station =
         static_cast<int>(std::lower_bound(station_m_.begin(), station_m_.end(), from.distance_m) - station_m_.begin());
     if (from.kind == Kind::billboard) add_picture(from, t);

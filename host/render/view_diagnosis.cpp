@@ -84,7 +84,9 @@ int fate_at(const Mirages &m, double altitude_deg) {
 
 double farthest_of(const ViewDiagnosis &d, const ViewRequest &request, const AirSection &air) {
   if (request.farthest_m) return *request.farthest_m;
-  if (request.target) return 1.25 * request.target->distance_m;
+  double targets_m = request.target ? request.target->distance_m : 0;
+  for (const SceneTarget &of_scene : request.scene_targets) targets_m = std::max(targets_m, of_scene.target.distance_m);
+  if (targets_m > 0) return 1.25 * targets_m;
   if (request.section && !air.points_m().empty() && air.points_m().back() > 0) return 1.2 * air.points_m().back();
   double reach = 3 * d.horizon_m.value_or(d.geometric_horizon_m.value_or(5000));
   if (!d.air.ducts.empty()) reach = std::max(reach, 60000.0);
@@ -173,9 +175,10 @@ ViewDiagnosis diagnose_view(const AirSection &air, const ViewRequest &request, c
   NearRays near(air, request.height_m, d.fan_wavelength_nm, request.flat, request.section, request.azimuth_rad, device);
   find_horizon(near, d);
   trace_fan(near, request, air, d);
-  if (request.target)
-    d.sight = sight_line(near, request.target->distance_m, request.target->height_m,
-                         request.section ? std::vector<double>{} : breaks_rad(rays.layers(), 0));
+  const std::vector<double> breaks = request.section ? std::vector<double>{} : breaks_rad(rays.layers(), 0);
+  if (request.target) d.sight = sight_line(near, request.target->distance_m, request.target->height_m, breaks);
+  for (const auto &[target, name] : request.scene_targets)
+    d.scene_sights.emplace_back(name, sight_line(near, target.distance_m, target.height_m, breaks));
   return d;
 }
 

@@ -12,7 +12,13 @@
 namespace greenray {
 
 struct Target {
-  double distance_m = 0, height_m = 0;
+  double distance_m = 0, height_m = 0;  // of its top above the surface
+};
+
+/// What a scene has in view: a target, or the highest place of its terrain.
+struct SceneTarget {
+  Target target;
+  std::string name;  // "target 1, rectangle"
 };
 
 struct ViewRequest {
@@ -23,6 +29,7 @@ struct ViewRequest {
   bool section = false;  // of air that varies along the surface
   double azimuth_rad = 0;
   std::optional<Target> target;
+  std::vector<SceneTarget> scene_targets;
   std::optional<double> farthest_m;  // of the fan
   int fan_rays = 29;
 };
@@ -54,6 +61,7 @@ struct ViewDiagnosis {
   double fan_wavelength_nm = 0;
   std::vector<FanRay> fan;
   std::optional<SightLine> sight;
+  std::vector<std::pair<std::string, SightLine>> scene_sights;  // by name
 };
 
 /// air: must outlive the call only. errors: InputError for impossible air, Interrupted when asked to stop.

@@ -119,6 +119,11 @@ nlohmann::json air_json(const Diagnosis &air) {
 }
 
 nlohmann::json view_json(const ViewDiagnosis &v) {
+  Json targets = Json::array();
+  for (const auto &[name, sight] : v.scene_sights) {
+    targets.push_back(sight_json(sight));
+    targets.back()["name"] = name;
+  }
   Json transfer = Json::array();
   for (const Mirages &m : v.mirages) transfer.push_back(mirages_json(m));
   Json out{{"profile", v.profile},
@@ -137,7 +142,8 @@ nlohmann::json view_json(const ViewDiagnosis &v) {
            {"transfer", transfer},
            {"layers", rows_json(v.rows)},
            {"fan", fan_json(v)},
-           {"target", v.sight ? sight_json(*v.sight) : Json()}};
+           {"target", v.sight ? sight_json(*v.sight) : Json()},
+           {"targets", targets}};
   return out;
 }
 

@@ -137,6 +137,13 @@ Plot air_figure(const ViewDiagnosis &view) {
   return plot;
 }
 
+std::vector<const SightLine *> sights_of(const ViewDiagnosis &view) {
+  std::vector<const SightLine *> all;
+  if (view.sight) all.push_back(&*view.sight);
+  for (const auto &[name, sight] : view.scene_sights) all.push_back(&sight);
+  return all;
+}
+
 Plot fan_figure(const ViewDiagnosis &view) {
   double farthest_m = 1, highest_m = 0;
   for (const FanRay &ray : view.fan) {
@@ -145,7 +152,8 @@ Plot fan_figure(const ViewDiagnosis &view) {
   }
   double top_m = std::min(
       highest_m, std::max(2.5 * view.height_m, view.air.ducts.empty() ? 0 : 1.5 * view.air.ducts.back().top_m));
-  if (view.sight) top_m = std::max(top_m, 1.3 * view.sight->target_height_m);
+  const std::vector<const SightLine *> sights = sights_of(view);
+  for (const SightLine *s : sights) top_m = std::max(top_m, 1.3 * s->target_height_m);
   top_m = std::max(top_m, 1.0);
   const LengthUnit along(farthest_m), up(top_m);
   PlotPanel panel{{"distance along the surface", along.name, false, 0.0, along(farthest_m)},
@@ -159,12 +167,10 @@ Plot fan_figure(const ViewDiagnosis &view) {
       line.x.push_back(along(ray.distance_m[i])), line.y.push_back(up(ray.height_m[i]));
     panel.lines.push_back(std::move(line));
   }
-  if (view.sight) {
-    const double x = along(view.sight->distance_m),
-                 hidden = std::min(view.sight->hidden_m, view.sight->target_height_m);
+  for (const SightLine *s : sights) {
+    const double x = along(s->distance_m), hidden = std::min(s->hidden_m, s->target_height_m);
     panel.lines.push_back({"target, hidden", "#999999", {x, x}, {0, up(hidden)}, false, 6});
-    panel.lines.push_back(
-        {"target, visible", "#1b7f3b", {x, x}, {up(hidden), up(view.sight->target_height_m)}, false, 6});
+    panel.lines.push_back({"target, visible", "#1b7f3b", {x, x}, {up(hidden), up(s->target_height_m)}, false, 6});
   }
   shade(panel, view, up);
   Plot plot;

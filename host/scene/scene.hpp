@@ -9,6 +9,7 @@
 #include "atmosphere/profile_spec.hpp"
 #include "scene/sweeps.hpp"
 #include "scene/target_scene.hpp"
+#include "scene/terrain_scene.hpp"
 
 namespace greenray {
 
@@ -110,6 +111,7 @@ struct Scene {
   EyeScene eye;
   OutputScene output;
   std::vector<TargetScene> targets;
+  TerrainScene terrain;
   std::vector<SweepScene> sweeps;  // used by `greenray batch`
   std::vector<std::string> notes;  // warnings to print once
 };

@@ -10,6 +10,7 @@
 #include "scene/ephemeris.hpp"
 #include "scene/eye_file.hpp"
 #include "scene/target_file.hpp"
+#include "scene/terrain_file.hpp"
 #include "support/embedded.hpp"
 #include "support/toml_reader.hpp"
 
@@ -184,10 +185,10 @@ Scene parse_scene(const std::string &file, std::string_view text, const std::vec
   scene.overrides = overrides;
   read_header(root, scene);
   read_atmosphere(document, root.table("atmosphere"), fs::path(file).parent_path().string(), scene.atmosphere);
-  read_observer(root.table("observer"), scene.observer);
+  const TomlTable observer = root.table("observer");
+  read_observer(observer, scene.observer);
   read_sun(root.table("sun"), scene.observer.height_m, scene.sun);
-  if (scene.sun.by_date && !root.table("observer").has("azimuth_deg"))
-    scene.observer.azimuth_deg = *scene.sun.azimuth_deg;
+  if (scene.sun.by_date && !observer.has("azimuth_deg")) scene.observer.azimuth_deg = *scene.sun.azimuth_deg;
   const TomlTable sky = root.table("sky");
   sky.read_word("model", scene.sky.model, {{"plain", SkyScene::Model::plain}, {"academic", SkyScene::Model::academic}});
   sky.read("sea_reflectance", scene.sky.sea_reflectance, {0, 1});
@@ -197,6 +198,7 @@ Scene parse_scene(const std::string &file, std::string_view text, const std::vec
   read_eye_scene(root.table("eye"), scene.eye);
   read_output(root.table("output"), scene.output);
   read_targets(root, fs::path(file).parent_path().string(), scene);
+  read_terrain(document, root.table("terrain"), observer, fs::path(file).parent_path().string(), scene);
   scene.sweeps = read_sweeps(document, root);
   document.finish();
   return scene;

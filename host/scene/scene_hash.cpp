@@ -152,6 +152,19 @@ void add(Fingerprint &print, const TargetScene &target) {
   print.add("target.picture", std::string(std::istreambuf_iterator<char>(file), {}));
 }
 
+void add(Fingerprint &print, const TerrainScene &terrain) {
+  if (!terrain.field) return;
+  for (const HeightTile &tile : terrain.field->tiles()) {
+    for (const double x : {tile.south_deg, tile.west_deg, tile.row_deg, tile.column_deg}) print.add("terrain.tile", x);
+    print.add("terrain.heights", std::to_string(tile.fingerprint));
+  }
+  print.add("terrain.latitude_deg", terrain.eye.latitude_deg);
+  print.add("terrain.longitude_deg", terrain.eye.longitude_deg);
+  print.add("terrain.farthest_m", terrain.farthest_m);
+  print.add_choice("terrain.missing", terrain.missing_is_sea);
+  for (const double part : terrain.reflectance) print.add("terrain.reflectance", part);
+}
+
 }  // namespace
 
 std::string scene_hash(const Scene &scene) {
@@ -161,6 +174,7 @@ std::string scene_hash(const Scene &scene) {
   add(print, scene.spectrum, scene.tracing, scene.eye);
   print.add_choice("output.spectral", scene.output.spectral);
   for (const TargetScene &target : scene.targets) add(print, target);
+  add(print, scene.terrain);
   if (scene.sea.rough) {
     print.add("sea.wind_m_s", scene.sea.wind_m_s);
     print.add("sea.significant_height_m", scene.sea.significant_height_m);

@@ -9,19 +9,6 @@ namespace fs = std::filesystem;
 
 constexpr Limits size_limits{0, 1e6, "m", true};
 
-/// A number for grey, or [r, g, b].
-void read_colour(const TomlTable &row, const std::string &key, std::array<double, 3> &into) {
-  if (!row.holds_array(key)) {
-    double grey = 0;
-    if (row.read(key, grey, {0, 1})) into = {grey, grey, grey};
-    return;
-  }
-  std::vector<double> rgb;
-  if (!row.read(key, rgb, {0, 1})) return;
-  if (rgb.size() != 3) return row.complain(key, "expected a number from 0 to 1, or [r, g, b]");
-  std::copy(rgb.begin(), rgb.end(), into.begin());
-}
-
 /// Reflectance by day, or what shines by itself.
 void read_light(const TomlTable &row, TargetScene &target) {
   const bool shines = row.has("luminance_cd_m2"), picture = target.kind == TargetScene::Kind::billboard;
@@ -86,6 +73,18 @@ TargetScene read_target(const TomlTable &row, const std::string &folder) {
 }
 
 }  // namespace
+
+void read_colour(const TomlTable &row, const std::string &key, std::array<double, 3> &into) {
+  if (!row.holds_array(key)) {
+    double grey = 0;
+    if (row.read(key, grey, {0, 1})) into = {grey, grey, grey};
+    return;
+  }
+  std::vector<double> rgb;
+  if (!row.read(key, rgb, {0, 1})) return;
+  if (rgb.size() != 3) return row.complain(key, "expected a number from 0 to 1, or [r, g, b]");
+  std::copy(rgb.begin(), rgb.end(), into.begin());
+}
 
 void read_targets(const TomlTable &root, const std::string &folder, Scene &scene) {
   for (const TomlTable &row : root.rows("target")) scene.targets.push_back(read_target(row, folder));

@@ -236,6 +236,21 @@ bool TomlTable::read(const std::string &key, std::vector<std::string> &into,
   return right;
 }
 
+bool TomlTable::read(const std::string &key, std::vector<std::string> &into) const {
+  const toml::node *node = find(key);
+  if (!node) return false;
+  const std::string expected = "an array of texts";
+  const toml::array *array = node->as_array();
+  if (!array) return wrong(key, *node, expected), false;
+  std::vector<std::string> texts;
+  for (const toml::node &element : *array)
+    if (element.is_string()) texts.push_back(element.as_string()->get());
+    else wrong(key, element, expected);
+  if (texts.size() != array->size()) return false;
+  into = std::move(texts);
+  return true;
+}
+
 bool TomlTable::holds_array(const std::string &key) const {
   const toml::node *node = find(key);
   return node && node->is_array();

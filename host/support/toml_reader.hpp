@@ -68,6 +68,8 @@ class TomlTable {
 
   /// All words of an array; those not allowed are complained about one by one.
   bool read(const std::string &key, std::vector<std::string> &into, const std::vector<std::string> &allowed) const;
+  /// All texts of an array, whatever they say; what is none is complained about.
+  bool read(const std::string &key, std::vector<std::string> &into) const;
 
   template <class Value>
   using Words = std::vector<std::pair<const char *, Value>>;

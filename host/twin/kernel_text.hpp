@@ -11,6 +11,9 @@
 #include "shared/target.h"
 #include "sky/target.h"
 
+#include "shared/terrain.h"
+#include "sky/terrain.h"
+
 #include "ray/closed_form.h"
 
 #include "ray/closed_form_path.h"

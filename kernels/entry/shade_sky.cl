@@ -10,6 +10,11 @@
 #include "sky/target.h"
 #endif
 
+#if defined(WITH_TERRAIN) /* and with targets, of which there may be none */
+#include "shared/terrain.h"
+#include "sky/terrain.h"
+#endif
+
 __kernel void shade_sky(__global const float *table, __global const float *limb, __global float *spectra,
                         __global float *moments, const SkyView view
 #if defined(WITH_TARGETS)
@@ -18,6 +23,14 @@ __kernel void shade_sky(__global const float *table, __global const float *limb,
                         __global const float *target_light, __global const TargetTexel *texels,
                         __global const float *crests, const TargetScale scale
 #endif
+#if defined(WITH_TERRAIN)
+                        ,
+                        __global const float *heights, __global const short *slopes, __global const float *tops,
+                        __global const TerrainBlock *blocks, __global const float *node_entry,
+                        __global const int *first_node, __global const float *rays, __global const float *grounded,
+                        __global const uint *masks, __global const float *terrain_light, __global const float *shine,
+                        const TerrainScale terrain_scale
+#endif
 ) {
   const int pixel = (int)get_global_id(0);
   if (pixel >= view.width * view.rows) return;
@@ -25,6 +38,10 @@ __kernel void shade_sky(__global const float *table, __global const float *limb,
   const int waves = SKY_WAVES;
 #if defined(WITH_TARGETS)
   const Targets targets = {sight, target_rows, corners, target_light, texels, crests, scale, SKY_WAVES};
+#endif
+#if defined(WITH_TERRAIN)
+  const Terrain terrain = {heights,  slopes, tops,          blocks, node_entry,    first_node, rays,
+                           grounded, masks,  terrain_light, shine,  terrain_scale, SKY_WAVES};
 #endif
   real sum[SKY_WAVES / LANES];
   for (int g = 0; g < SKY_WAVES / LANES; ++g) sum[g] = SPREAD(0);
@@ -44,6 +61,10 @@ __kernel void shade_sky(__global const float *table, __global const float *limb,
                              (float)(view.entries - 1));
       const int entry = min((int)at, view.entries - 2);
       real band = SPREAD(0);
+#if defined(WITH_TERRAIN)
+      const TerrainSight sight_of_terrain = terrain_sight(&terrain, at, LANE(d.azimuth_rad, i));
+      TerrainHit met = first_terrain(&terrain, &sight_of_terrain, 0);
+#endif
       for (int g = 0; g < SKY_WAVES / LANES; ++g) {
         real radiance =
             sky_radiance(&view, table, limb, waves, g * LANES, entry, at - (float)entry, LANE(half_azimuth, i));
@@ -52,8 +73,17 @@ __kernel void shade_sky(__global const float *table, __global const float *limb,
         real sea = radiance;
         if (waves_hide(&targets, g * LANES, entry, at - (float)entry, azimuth))
           sea = sky_radiance(&view, table, limb, waves, g * LANES, scale.sea_entry, 0.0f, LANE(half_azimuth, i));
-        radiance = before_targets(&view, &targets, radiance, sea, g * LANES, entry, at - (float)entry, azimuth,
-                                  LANE(half_azimuth, i));
+        real terrain_m = SPREAD(0);
+#if defined(WITH_TERRAIN)
+        if (g > 0 && terrain_scale.waves > 1) met = first_terrain(&terrain, &sight_of_terrain, g * LANES);
+        terrain_m = met.distance_m;
+        radiance =
+            light_of_terrain(&view, &terrain, &sight_of_terrain, &met, radiance, g * LANES, LANE(half_azimuth, i));
+        const mask nearer = (terrain_m > 0.0f) & (terrain_m < terrain_scale.sea_horizon_m);
+        sea = nearer ? radiance : sea;
+#endif
+        radiance = before_targets(&view, &targets, radiance, sea, terrain_m, g * LANES, entry, at - (float)entry,
+                                  azimuth, LANE(half_azimuth, i));
 #endif
         sum[g] += radiance;
         band += radiance;

@@ -24,7 +24,7 @@ typedef struct Target {
   int first;         /* outline: its first corner; picture: its first texel */
   int corners;       /* of an outline; 0: a picture */
   int width, height; /* of a picture, in texels; rows from the bottom up */
-  int pad_;
+  float distance_m;
 } Target;
 
 /* Coefficients of a reflectance spectrum (shared/material.h, SpectrumCurve), and how much it covers. */

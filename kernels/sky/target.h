@@ -148,9 +148,9 @@ DEVICE int waves_hide(const Targets *t, int wave, int entry, float fraction, flo
 }
 
 /* The radiance of a ray of sight, given that of what lies behind targets and waves, and that of the sea, which counts
-   where waves hide the ray. */
-DEVICE real before_targets(const SkyView *v, const Targets *t, real behind, real sea, int wave, int entry,
-                           float fraction, float azimuth_rad, float half_azimuth) {
+   where waves hide the ray. terrain_m: distance of the terrain that stands behind, or hides a target; 0: none */
+DEVICE real before_targets(const SkyView *v, const Targets *t, real behind, real sea, real terrain_m, int wave,
+                           int entry, float fraction, float azimuth_rad, float half_azimuth) {
   real radiance = behind;
   const float threshold = crest_threshold(t, azimuth_rad);
   int station = t->scale.crests > 0 ? t->scale.stations - 1 : -1;
@@ -167,6 +167,8 @@ DEVICE real before_targets(const SkyView *v, const Targets *t, real behind, real
     station = target->station;
     TargetLook look = target_look(t, target, wave, across_m, sight.height_m);
     look.cover = sight.crests > threshold ? SPREAD(0) : look.cover;
+    const mask hidden = (terrain_m > R(0)) & (terrain_m < target->distance_m);
+    look.cover = hidden ? SPREAD(0) : look.cover;
     if (!any_lane(look.cover > R(0))) continue;
     const real white = load_lanes(t->light + (TARGET_LIGHT_FIRST + k) * t->waves + wave);
     const real seen = light_of_target(v, &sight, look.shade * white, half_azimuth);

@@ -15,6 +15,7 @@
 #include "image/png.hpp"
 #include "render/room_checkpoint.hpp"
 #include "render/transfer_curve.hpp"
+#include "scene/height_tile.hpp"
 #include "scene/job_list.hpp"
 #include "scene/obj_check.hpp"
 #include "scene/obj_file.hpp"
@@ -22,6 +23,7 @@
 #include "scene/scene_file.hpp"
 #include "support/csv_table.hpp"
 #include "support/error.hpp"
+#include "support_code/terrain.hpp"
 
 namespace greenray::fuzz {
 namespace {
@@ -67,7 +69,7 @@ void use_air(const ProfileSpec &spec) {
     if (h <= air.top_m(false)) (void)air.refractivity(h, 550);
 }
 
-void read_scene(const Bytes &bytes) { (void)parse_scene("fuzz.toml", bytes); }
+void read_scene(const Bytes &bytes) { (void)parse_scene(GREENRAY_SOURCE "/scenes/fuzz.toml", bytes); }
 void read_room(const Bytes &bytes) { (void)parse_room(GREENRAY_SOURCE "/scenes/fuzz.toml", bytes); }
 void read_profile(const Bytes &bytes) { use_air(parse_profile("fuzz.toml", bytes)); }
 void read_soundings(const Bytes &bytes) { use_air(parse_profile("fuzz.txt", bytes)); }
@@ -102,6 +104,11 @@ void read_checkpoint_file(const Bytes &bytes) {
 void read_curve(const Bytes &bytes) {
   const FileOf file(bytes, ".csv");
   (void)read_transfer_curve(file.path());
+}
+void read_terrain_file(const Bytes &bytes) {
+  const bool text = bytes.rfind("ncols", 0) == 0;
+  const FileOf file(bytes, text ? ".asc" : ".tif");
+  (void)read_height_tile(file.path().string(), {file.path().string(), 1, 1});
 }
 void read_records(const Bytes &bytes) {
   const FileOf file(bytes, ".json");
@@ -168,6 +175,16 @@ std::vector<Bytes> job_seeds() {
 }
 std::vector<Bytes> table_seeds() { return {"# a table\nwavelength_nm,value\n400,1\n500,2.5e0\n600,-3\n"}; }
 std::vector<Bytes> curve_seeds() { return contents_of("tests/data/fuzz", ".csv"); }
+std::vector<Bytes> terrain_seeds() {
+  testing_terrain::GeoTiffBytes floats, whole;
+  floats.heights.assign(12, 100.5f), floats.no_data = "-9999";
+  whole.whole.assign(12, 7);
+  std::vector<Bytes> seeds{"ncols 3\nnrows 2\nxllcorner 7.0\nyllcorner 46.0\ncellsize 0.5\n1 2 3\n4 5 -9999\n"};
+#ifdef GREENRAY_WITH_TIFF
+  seeds.push_back(floats.bytes()), seeds.push_back(whole.bytes());
+#endif
+  return seeds;
+}
 std::vector<Bytes> record_seeds() { return contents_of("bench/results", ".json"); }
 
 }  // namespace
@@ -199,6 +216,7 @@ const std::vector<Reader> &readers() {
       {"png", {"IHDR", "IDAT", "tRNS", "PLTE"}, read_png_file, png_seeds},
       {"checkpoint", {}, read_checkpoint_file, checkpoint_seeds},
       {"curve", {",", "space", "ground", "nan"}, read_curve, curve_seeds},
+      {"terrain", {"ncols ", "NODATA_value ", "cellsize ", "-9999", "nan"}, read_terrain_file, terrain_seeds},
       {"records", {"{", "}", "[", "null", "\"rate\"", "1e999"}, read_records, record_seeds},
   };
   return all;

@@ -26,6 +26,10 @@ SCENES = [  # scene, profile, eye m, distance m, altitudes from, to, step deg, h
     ("sinking", "sinking", 10.0, 25000.0, -0.15, 0.10, 0.002, 30.0),
     ("sinking us76", "us76", 10.0, 25000.0, -0.15, 0.10, 0.002, 30.0),
 ]
+# Mountains of shipped scenes: the same, for the distance of their summit.
+MOUNTAINS = [
+    ("canigou", "us76", 432.0, 250430.0, -1.20, -0.40, 0.01, 2700.0),
+]
 PROFILES = DATA.parents[2] / "profiles"
 
 
@@ -77,7 +81,15 @@ def scenes():
           "scene,eye_m,distance_m,what,altitude_deg,height_m", [r for case in SCENES for r in figures(case)])
 
 
+def mountains():
+    write("mountain_sights.csv",
+          ["Made by tests/oracle/targets.py (rays.py, ODE) at 550 nm: as mirage_scenes.csv, at the distance of summits along",
+           "the surface (canigou: a chord of 250413.4 m between the places on WGS84, and c^3/24 R^2 = 16 m more)."],
+          "scene,eye_m,distance_m,what,altitude_deg,height_m", [r for case in MOUNTAINS for r in figures(case)])
+
+
 def main():
+    mountains()
     scenes()
     rows = []
     for name, eye, distance, low, high, step in CASES:
