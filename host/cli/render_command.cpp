@@ -281,6 +281,7 @@ std::vector<Flag> render_flags() {
           {"--resume", "", "", "rooms: go on from OUT.grck, or fail; the default when it is there and fits"},
           {"--no-resume", "", "", "rooms: start anew whatever OUT.grck holds"},
           {"--checkpoint", "", "S", "rooms: seconds between checkpoints (60)"},
+          {"--shard", "", "I/N", "make only share I of N, in OUT.I-of-N.grck; `greenray merge` puts them together"},
           {"--seed", "", "N", "of the sample places; the same seed gives the same bits"},
           {"--quick", "", "", "quarter size"},
           {"--size", "", "WxH", "size in pixels"},
