@@ -69,7 +69,7 @@ Ranks &all_workers() { return joined ? *joined : alone; }
 
 int worker_on_this_machine() { return joined ? number_from("OMPI_COMM_WORLD_LOCAL_RANK", 0) : 0; }
 
-Workers::Workers(const std::string &command) {
+void join_workers(const std::string &command) {
   if (number_from("OMPI_COMM_WORLD_SIZE", 1) <= 1) return;
   if (command == "batch" || command == "merge")
     throw InputError({"command line", 1, 1}, "greenray " + command +
@@ -88,9 +88,7 @@ Workers::Workers(const std::string &command) {
   note_a_binding();
 }
 
-Workers::~Workers() = default;
-
-void Workers::leave(int code) {
+void leave_workers(int code) {
   if (!joined) return;
   if (code != 0 && !joined->parted()) abort_all(code);
   finish();

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "atmosphere/profile_file.hpp"
+#include "cli/mpi.hpp"
 #include "cli/observe.hpp"
 #include "cli/progress.hpp"
 #include "cli/share_words.hpp"
@@ -263,25 +264,42 @@ int render_share(const Arguments &a, RoomJob &job, const PictureShare &share, co
 
 std::optional<int> render_room_scene(const Arguments &a, Session &session) {
   const auto begin = Clock::now();
-  std::optional<RoomJob> job = job_from(a);
+  Ranks &workers = all_workers();
+  std::optional<RoomJob> job;
+  std::vector<std::shared_ptr<Device>> devices;
+  std::optional<PictureShare> share;
+  workers.together([&] {
+    job = job_from(a);
+    if (!job) return;
+    share = share_from(a);
+    devices = session.devices(a);
+    if (workers.size() > 1) {
+      if (share) a.fail("--shard", "expected one of --shard and mpirun");
+      devices = {devices[static_cast<std::size_t>(worker_on_this_machine()) % devices.size()]};
+    }
+    if (!workers.first() || share) return;
+    { AtomicFile(job->exr).write("x"); }  // is there room and right to write there?
+  });
   if (!job) return std::nullopt;
-  const std::optional<PictureShare> share = share_from(a);
   RoomOptions &options = job->options;
-  const std::shared_ptr<Device> device = session.device(a);
-  if (talks(a)) print_header(job->scene, options, *device);
-  if (share) return render_share(a, *job, *share, device);
-  { AtomicFile(job->exr).write("x"); }  // is there room and right to write there?
+  if (talks(a) && workers.first()) print_header(job->scene, options, *devices.front());
+  if (share) return render_share(a, *job, *share, devices.front());
   options.checkpoint = fs::path(job->exr).replace_extension(".grck");
-  for (const char *extension : {".exr", ".png", ".json", ".html", ".grck", ".photons.exr", ".photons.png"})
-    remove_stale_temporaries(fs::path(job->exr).replace_extension(extension));
   Progress progress = progress_of(a);
   options.progress = [&](const std::string &phase, double fraction, double noise) {
     progress.show(phase, fraction, noise);
   };
-  RoomPicture picture = render_room(job->scene, options, session.devices(a));
+  if (!workers.first()) {
+    (void)render_room(job->scene, options, devices.front(), workers);
+    return 0;
+  }
+  for (const char *extension : {".exr", ".png", ".json", ".html", ".grck", ".photons.exr", ".photons.png"})
+    remove_stale_temporaries(fs::path(job->exr).replace_extension(extension));
+  RoomPicture picture = workers.size() > 1 ? render_room(job->scene, options, devices.front(), workers)
+                                           : render_room(job->scene, options, devices);
   progress.end();
   try {
-    write_and_tell(a, *job, device_json(*device), picture, begin);
+    write_and_tell(a, *job, device_json(*devices.front()), picture, begin);
   } catch (const RunError &error) {
     if (!fs::exists(options.checkpoint)) throw;
     throw Error(ExitCode::stopped_early,

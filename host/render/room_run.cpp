@@ -89,6 +89,7 @@ RoomPicture RoomRun::render() {
   last_kept_ = Clock::now();
   while (!done()) round();
   std::optional<BlockedTally> all = gathered();
+  ranks_.part();
   if (!ranks_.first()) return {};
   all->end();
   RoomReport report;
