@@ -43,21 +43,21 @@ PictureIdentity room_identity(const RoomScene &scene, const RoomOptions &options
            {"--spp", open ? "" : number(options.spp)}}};
 }
 
-void write_checkpoint(const fs::path &path, const RoomCheckpoint &checkpoint, const RoomPlan &plan) {
+void write_checkpoint(const fs::path &path, const RoomCheckpoint &checkpoint) {
   const RoomState &s = checkpoint.state;
   const Json head{{"scene_hash", checkpoint.identity.scene_hash},
                   {"values", checkpoint.identity.values},
                   {"options", checkpoint.identity.options},
                   {"passes", s.passes},
-                  {"pixels", s.tally->whole().pixels.pixels()},
-                  {"waves", s.tally->whole().pixels.waves()},
-                  {"block_passes", plan.block_passes()},
+                  {"pixels", s.tally.whole().pixels.pixels()},
+                  {"waves", s.tally.whole().pixels.waves()},
+                  {"block_passes", s.tally.block_passes()},
                   {"counts", s.beginning.counts()},
                   {"seconds", s.seconds}};
   AtomicFile file(path);
   CheckedWriter writer(file, kind, head.dump());
   s.beginning.write(writer);
-  s.tally->write(writer);
+  s.tally.write(writer);
   writer.end();
   file.commit();
 }
@@ -77,15 +77,15 @@ std::optional<RoomCheckpoint> read_checkpoint(const fs::path &path) {
     // Sums of eight bytes: a file that tells of more than it holds is not asked to make room for them.
     if (waves == 0 || waves > reader.left() || pixels > reader.left() / (waves + 5) / sizeof(double)) reader.fail();
     s.beginning.read(reader, head.at("counts"));
-    s.tally.emplace(pixels, waves, block_passes);
-    s.tally->read(reader);
+    s.tally = BlockedTally(pixels, waves, block_passes);
+    s.tally.read(reader);
   } catch (const Json::exception &) {
     reader.fail();
   } catch (const RunError &) {
     reader.fail();
   }
   reader.end();
-  if (s.passes != s.tally->passes()) reader.fail();
+  if (s.passes != s.tally.passes()) reader.fail();
   return out;
 }
 

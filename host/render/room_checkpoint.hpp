@@ -13,7 +13,7 @@ namespace greenray {
 struct RoomState {
   int passes = 0;
   RoomBeginning beginning;
-  std::optional<BlockedTally> tally;
+  BlockedTally tally{0, 1, 1};
   double seconds = 0;  // of all sessions
 };
 
@@ -27,7 +27,7 @@ struct RoomCheckpoint {
 };
 
 /// Whole or not at all; the old one stays until then.
-void write_checkpoint(const std::filesystem::path &path, const RoomCheckpoint &checkpoint, const RoomPlan &plan);
+void write_checkpoint(const std::filesystem::path &path, const RoomCheckpoint &checkpoint);
 /// Nothing if there is no such file.
 /// errors: InputError if it is damaged or no checkpoint
 std::optional<RoomCheckpoint> read_checkpoint(const std::filesystem::path &path);

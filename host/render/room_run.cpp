@@ -162,11 +162,11 @@ void RoomRun::share_state() {
   std::vector<std::string> out(static_cast<std::size_t>(ranks_.size()));
   ranks_.together([&] {
     if (!found_) return;
-    if (found_->tally->whole().pixels.pixels() != plan().pixels() || found_->tally->whole().pixels.waves() != waves)
+    if (found_->tally.whole().pixels.pixels() != plan().pixels() || found_->tally.whole().pixels.waves() != waves)
       throw RunError("the checkpoint is of another picture");
     for (int r = 0; r < ranks_.size(); ++r) {
       Packer part;
-      found_->tally->part(share_begin(r), share_begin(r + 1)).write(part);
+      found_->tally.part(share_begin(r), share_begin(r + 1)).write(part);
       out[static_cast<std::size_t>(r)] = part.take();
     }
   });
@@ -357,7 +357,7 @@ void RoomRun::keep() {
   std::optional<BlockedTally> all = gathered();
   if (ranks_.first())
     write_checkpoint(options_.checkpoint,
-                     {identity(), RoomState{done_passes_, beginning_, std::move(all), spent_seconds()}}, plan());
+                     {identity(), RoomState{done_passes_, beginning_, std::move(*all), spent_seconds()}});
   last_kept_ = Clock::now();
   keep_seconds_ = seconds_since(begin);
 }

@@ -58,6 +58,7 @@ class BlockedTally {
   /// The last block may have fewer passes.
   void end();
   int passes() const { return whole_.passes() + block_.passes(); }
+  int block_passes() const { return block_passes_; }
   const RoomTally &whole() const { return whole_; }  // without the block that is being made
   void place(const BlockedTally &part, std::size_t first) {
     whole_.place(part.whole_, first);
