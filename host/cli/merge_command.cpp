@@ -32,7 +32,13 @@ int merge(const Arguments &a) {
   for (const fs::path &part : parts) heads.push_back(read_part_head(part));
   (void)order_of_parts(parts, heads);
   const Arguments words = arguments_of(heads.front(), a);
-  if (heads.front().kind == "room" && merge_room_parts(words, parts)) return 0;
+  const bool is_room = room_scene_hash(words).has_value();
+  if (heads.front().kind == "room" && is_room && merge_room_parts(words, parts)) return 0;
+  if (heads.front().kind == "sky" && !is_room) {
+    Session session;
+    merge_sky_parts(words, parts, session);
+    return 0;
+  }
   throw InputError({parts.front().string(), 1, 1},
                    "expected the scene that the part was made of: '" + words.positional()[0] + "' is another one now");
 }

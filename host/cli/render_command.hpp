@@ -1,5 +1,6 @@
 // One picture, as `render` and `batch` make it.
 #pragma once
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -34,6 +35,9 @@ class Session {
 
 /// `greenray render`: arguments of its own specification. Throws as it exits. returns: 0
 int render_picture(const Arguments &arguments, Session &session);
+
+/// Puts the parts of a sky picture together; a: the words of `render` that the parts were made with, and the output.
+void merge_sky_parts(const Arguments &arguments, const std::vector<std::filesystem::path> &parts, Session &session);
 
 /* Everything that the bits of a picture depend on, but for the device: scene hash, flags that change pictures, version.
    It stands in the picture's JSON as `key`, so that `batch` can tell what is done. errors: InputError, as render's */

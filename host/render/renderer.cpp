@@ -130,6 +130,8 @@ class Renderer {
     if (!targets.targets.empty()) picture.describe_targets(view(), targets, sight_->stations());
     report_.noise_rms = picture.noise_rms();
     report_.spp = picture.most_samples();
+    if (options_.keeping && options_.keeping->share && !run_->is_complete())
+      run_->complete(options_.part_report ? options_.part_report(report_) : "{}");
     image_ = picture.take();
     report_.gather_seconds = seconds_since(begin) - (device_->compile_seconds() - compiled_before);
   }
@@ -165,10 +167,10 @@ class Renderer {
   void shade_rows(SkyPicture &picture, int rows_a_band, int rows_that_stop,
                   const std::function<void(int, int, SkyRun &)> &shade) {
     const std::string lanes = std::to_string(device_->lanes().lanes_float);
-    SkyRun run(ranks().first() ? options_.keeping : nullptr, sky_identity(scene_, plan_, options_, lanes), rows_that_stop,
-               picture);
-    report_.resumed_rows = run.done_rows(), report_.workers = adaptive() ? 1 : ranks().size();
-    run_rows(ranks(), adaptive(), run, picture, rows_a_band, shade);
+    run_.emplace(ranks().first() ? options_.keeping : nullptr, sky_identity(scene_, plan_, options_, lanes), rows_that_stop,
+                 picture);
+    report_.resumed_rows = run_->resumed_rows(), report_.workers = adaptive() ? 1 : ranks().size();
+    run_rows(ranks(), adaptive(), *run_, picture, rows_a_band, shade);
   }
 
   Ranks &ranks() { return options_.ranks ? *options_.ranks : alone_; }
@@ -257,6 +259,7 @@ class Renderer {
   SpectralImage image_;
   RenderReport report_;
   OneRank alone_;
+  std::optional<SkyRun> run_;
 };
 
 }  // namespace

@@ -15,6 +15,7 @@ namespace greenray {
 
 struct SkySightCache;
 struct SkyKeeping;
+struct RenderReport;
 class Ranks;
 
 struct RenderOptions {
@@ -29,6 +30,7 @@ struct RenderOptions {
   std::function<void(const std::string &phase, double fraction, double noise)> progress;
   SkySightCache *cache = nullptr;  // rays of sight of the picture before, for this one if it has the same
   const SkyKeeping *keeping = nullptr;  // where rows that are done are kept (render/sky_run.hpp)
+  std::function<std::string(const RenderReport &)> part_report;  // JSON for the part of a share
   Ranks *ranks = nullptr;               // workers that make it together; all but rank 0 get an empty picture
 };
 

@@ -158,7 +158,7 @@ void SkyRun::take_up() {
     if (all.empty() && (found.first != first_ || found.last != last_ || !picture_.set_rows(found.rows)))
       all.push_back({place, "expected a checkpoint of this picture: its size is another; --no-resume starts anew"});
     if (!all.empty()) throw InputError(all);
-    done_ = found.done, seconds_before_ = found.seconds;
+    done_ = found.done, resumed_ = done_ - first_, seconds_before_ = found.seconds;
     complete_ = found.head.complete;
     begun_ = std::move(found.band);
   } catch (const InputError &wrong) {
@@ -239,9 +239,9 @@ void SkyRun::keep_after(const std::exception_ptr &error) {
   }
 }
 
-void SkyRun::complete(const std::string &device_json, const std::string &report_json) {
+void SkyRun::complete(const std::string &report_json) {
   head_.complete = true;
-  head_.device_json = device_json, head_.report_json = report_json;
+  head_.report_json = report_json;
   done_ = last_;
   write({});
 }
@@ -282,7 +282,7 @@ MergedSky merge_sky(const Scene &scene, const RenderPlan &plan, const RenderOpti
       throw InputError({parts[order[0]].string(), 1, 1}, "expected channel '" + name + "' in all parts or in none");
     out.image.channels[name] = std::move(values);
   }
-  out.device_json = heads[order[0]].device_json, out.report_json = heads[order[0]].report_json;
+  out.report_json = heads[order[0]].report_json;
   return out;
 }
 

@@ -43,6 +43,7 @@ class SkyRun {
 
   int last_row() const { return last_; }
   int done_rows() const { return done_; }
+  int resumed_rows() const { return resumed_; }  // that were done before
   bool is_complete() const { return complete_; }  // a part that was finished before
   /// The band that was begun, if it is this one.
   std::optional<SkyBand> begun(int first_row, int rows);
@@ -53,7 +54,7 @@ class SkyRun {
   /// What to throw when `error` stopped it: says what was kept.
   [[noreturn]] void keep_after(const std::exception_ptr &error);
   /// The finished part, with the channels that describe its rows.
-  void complete(const std::string &device_json, const std::string &report_json);
+  void complete(const std::string &report_json);
 
  private:
   void take_up();
@@ -67,7 +68,7 @@ class SkyRun {
   PartHead head_;
   SkyPicture &picture_;
   Clock::time_point begin_, last_kept_;
-  int first_ = 0, last_ = 0, done_ = 0;
+  int first_ = 0, last_ = 0, done_ = 0, resumed_ = 0;
   bool complete_ = false;
   double seconds_before_ = 0, keep_seconds_ = 0;
   std::optional<SkyBand> begun_;
@@ -80,8 +81,8 @@ std::array<int, 2> rows_of_share(int rows, const PictureShare &share);
 struct MergedSky {
   SpectralImage image;
   double noise_rms = 0;
-  int spp = 0;                           // largest
-  std::string device_json, report_json;  // of the first share
+  int spp = 0;              // largest
+  std::string report_json;  // of the first share
 };
 
 /// Parts of every share, in any order. Needs no device. errors: InputError
