@@ -41,7 +41,8 @@ void *open_module(std::string &reason) {
 
 [[noreturn]] void cannot_join(const std::string &reason) {
   throw InputError({"command line", 1, 1},
-                   "mpirun started this greenray and it cannot join the others" + (reason.empty() ? "" : " (" + reason + ")") +
+                   "mpirun started this greenray and it cannot join the others" +
+                       (reason.empty() ? "" : " (" + reason + ")") +
                        ": expected libgreenray-mpi.so beside it, as it is built where libopenmpi-dev is installed; "
                        "--shard I/N needs no MPI");
 }

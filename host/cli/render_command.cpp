@@ -178,14 +178,14 @@ void write_sky(const Arguments &a, const SkyJob &job, const Rendered &rendered, 
                const std::shared_ptr<Device> &device) {
   AtomicFileSet files;
   AtomicFile &picture = files.add(job.exr);
-  const ExrReport written = write_exr(picture, rendered.image, attributes_of(job.scene, job.plan, job.options, device_name),
-                                      {job.scene.output.spectral});
+  const ExrReport written =
+      write_exr(picture, rendered.image, attributes_of(job.scene, job.plan, job.options, device_name),
+                {job.scene.output.spectral});
   if (written.not_finite_replaced > 0)
     std::cerr << "warning: " << written.not_finite_replaced << " values were not finite and are written as 0\n";
   const auto eye_begin = Clock::now();
   AtomicFile &png = files.add(fs::path(job.exr).replace_extension(".png"));
-  const Observed observed =
-      observe(job.scene.eye, job.scene.observer.fov_deg, job.plan.size[0], rendered.image, png);
+  const Observed observed = observe(job.scene.eye, job.scene.observer.fov_deg, job.plan.size[0], rendered.image, png);
   nlohmann::json report = numbers(observed.camera, seconds_since(eye_begin));
   if (!observed.eye.is_null()) {
     report.erase("camera");
@@ -224,8 +224,7 @@ SkyKeeping keeping_from(const Arguments &a, const SkyJob &job, const std::option
   k.resume = a.has("--resume")      ? SkyKeeping::Resume::always
              : a.has("--no-resume") ? SkyKeeping::Resume::never
                                     : SkyKeeping::Resume::when_it_fits;
-  if (const auto seconds = a.optional_number("--checkpoint", 0, 1e6, "seconds"))
-    k.seconds = *seconds, k.not_before = 0;
+  if (const auto seconds = a.optional_number("--checkpoint", 0, 1e6, "seconds")) k.seconds = *seconds, k.not_before = 0;
   k.command = words_without_share(a);
   k.note = [](const std::string &words) { std::cerr << "note: " << words << "\n"; };
   return k;
@@ -272,6 +271,17 @@ SkyRender prepare(const Arguments &a, Session &session, Ranks &workers) {
   return r;
 }
 
+/// Rays that rows of other shares had of their own.
+void add_rays(const TraceStats &more, nlohmann::json &numbers) {
+  const auto add = [](nlohmann::json &to, std::uint64_t count) { to = to.get<std::uint64_t>() + count; };
+  add(numbers.at("rays_launched"), more.rays);
+  add(numbers.at("steps").at("accepted"), more.steps), add(numbers.at("steps").at("rejected"), more.rejected);
+  for (int i = 1; i < static_cast<int>(more.outcomes.size()); ++i)
+    add(numbers.at("outcomes").at(outcome_name(i)), more.outcomes[static_cast<std::size_t>(i)]);
+  nlohmann::json &drift = numbers.at("bouguer_drift");
+  drift = std::max(drift.get<double>(), more.bouguer_drift);
+}
+
 }  // namespace
 
 int render_picture(const Arguments &a, Session &session) {
@@ -287,8 +297,7 @@ int render_picture(const Arguments &a, Session &session) {
     (void)render_by_all(job, r.devices, workers);
     return 0;
   }
-  for (const char *extension : {".exr", ".png", ".json", ".html"})
-    remove_stale_temporaries(fs::path(job.exr).replace_extension(extension));
+  remove_stale_outputs(job.exr);
   remove_stale_temporaries(keeping.file);
   if (talks(a)) print_header(job.scene, job.plan, device);
   for (const std::string &note : job.scene.notes) std::cerr << "note: " << note << "\n";
@@ -311,12 +320,14 @@ int render_picture(const Arguments &a, Session &session) {
   const bool with_page = wants_report(a);
   const bool kept = fs::exists(keeping.file);
   try {
-    write_sky(a, job, rendered, device.info().name,
-              [&](const CameraReport &camera, double eye) { return numbers_of(rendered.report, camera, eye); },
-              with_page ? r.devices.front() : nullptr);
+    write_sky(
+        a, job, rendered, device.info().name,
+        [&](const CameraReport &camera, double eye) { return numbers_of(rendered.report, camera, eye); },
+        with_page ? r.devices.front() : nullptr);
   } catch (const RunError &error) {
     if (!kept) throw;
-    throw Error(ExitCode::stopped_early, std::string(error.what()) + "; the checkpoint is kept in " + keeping.file.string());
+    throw Error(ExitCode::stopped_early,
+                std::string(error.what()) + "; the checkpoint is kept in " + keeping.file.string());
   }
   if (kept) remove_checkpoint(keeping.file);
   if (talks(a)) {
@@ -330,6 +341,7 @@ void merge_sky_parts(const Arguments &a, const std::vector<fs::path> &parts, Ses
   const auto begin = Clock::now();
   const SkyJob job(a);
   check_writable(job.exr);
+  remove_stale_outputs(job.exr);
   std::shared_ptr<Device> device;
   try {
     if (wants_report(a)) device = session.device(a);
@@ -339,19 +351,22 @@ void merge_sky_parts(const Arguments &a, const std::vector<fs::path> &parts, Ses
   MergedSky merged = merge_sky(job.scene, job.plan, job.options, parts);
   nlohmann::json numbers = nlohmann::json::parse(merged.report_json);
   numbers["error"]["noise_rms"] = merged.noise_rms, numbers["samples_per_pixel"] = merged.spp;
+  add_rays(merged.more_rays, numbers);
   numbers["seconds"]["workers"] = parts.size();
   Rendered rendered{std::move(merged.image), {}};
   const nlohmann::json &sun = numbers.at("sun").at("true_altitude_deg");
   if (sun.is_number()) rendered.report.sun_true_altitude_deg = sun.get<double>();
-  rendered.report.trace.rays = numbers.at("rays_launched"), rendered.report.trace.steps = numbers.at("steps").at("accepted");
+  rendered.report.trace.rays = numbers.at("rays_launched"),
+  rendered.report.trace.steps = numbers.at("steps").at("accepted");
   rendered.report.trace.device_seconds = numbers.at("seconds").at("emit");
-  write_sky(a, job, rendered, numbers.at("device").at("name"),
-            [&](const CameraReport &camera, double eye) {
-              numbers["camera"] = camera_json(camera);
-              numbers["seconds"]["eye"] = eye, numbers["seconds"]["total"] = seconds_since(begin);
-              return numbers;
-            },
-            device);
+  write_sky(
+      a, job, rendered, numbers.at("device").at("name"),
+      [&](const CameraReport &camera, double eye) {
+        numbers["camera"] = camera_json(camera);
+        numbers["seconds"]["eye"] = eye, numbers["seconds"]["total"] = seconds_since(begin);
+        return numbers;
+      },
+      device);
   if (talks(a))
     std::cout << "wrote    " << job.exr.string() << "  .png  .json" << (device ? "  .html" : "") << ", of "
               << parts.size() << " shares\n";

@@ -221,7 +221,7 @@ std::optional<RoomJob> job_from(const Arguments &a) {
 }
 
 Progress progress_of(const Arguments &a) {
-  return Progress(a.has("--quiet") ? Progress::Style::quiet
+  return Progress(a.has("--quiet")  ? Progress::Style::quiet
                   : a.has("--json") ? Progress::Style::json
                                     : Progress::Style::text);
 }
@@ -293,8 +293,7 @@ std::optional<int> render_room_scene(const Arguments &a, Session &session) {
     (void)render_room(job->scene, options, devices.front(), workers);
     return 0;
   }
-  for (const char *extension : {".exr", ".png", ".json", ".html", ".grck", ".photons.exr", ".photons.png"})
-    remove_stale_temporaries(fs::path(job->exr).replace_extension(extension));
+  remove_stale_outputs(job->exr);
   RoomPicture picture = workers.size() > 1 ? render_room(job->scene, options, devices.front(), workers)
                                            : render_room(job->scene, options, devices);
   progress.end();
@@ -314,6 +313,7 @@ bool merge_room_parts(const Arguments &a, const std::vector<fs::path> &parts) {
   std::optional<RoomJob> job = job_from(a);
   if (!job) return false;
   { AtomicFile(job->exr).write("x"); }
+  remove_stale_outputs(job->exr);
   job->options.photon_map = 0;
   MergedRoom merged = merge_room(job->scene, job->options, parts);
   write_and_tell(a, *job, nlohmann::json::parse(merged.device_json), merged.picture, begin);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/render_command.hpp"
+#include "render/room_checkpoint.hpp"
 
 namespace greenray::cli {
 namespace {
@@ -28,7 +29,8 @@ std::optional<PictureShare> share_from(const Arguments &a) {
   const auto index = whole_number(std::string_view(text).substr(0, slash));
   const auto count = slash == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(slash + 1));
   if (!index || !count || *index < 1 || *count < *index || *count > PictureShare::most)
-    a.fail("--shard", "expected I/N, share I of N, 1/1 to " + PictureShare{PictureShare::most - 1, PictureShare::most}.words());
+    a.fail("--shard",
+           "expected I/N, share I of N, 1/1 to " + PictureShare{PictureShare::most - 1, PictureShare::most}.words());
   return PictureShare{*index - 1, *count};
 }
 
@@ -49,6 +51,11 @@ void tell_share(const Arguments &a, const PictureShare &share, const std::filesy
   else if (!a.has("--quiet"))
     std::cout << "wrote    " << part.string() << (resumed_at > 0 ? ", begun before" : "")
               << "; with all shares: greenray merge OUT.*-of-" << share.count << ".grck -o OUT.exr\n";
+}
+
+void remove_stale_outputs(const std::filesystem::path &exr) {
+  for (const char *extension : {".exr", ".png", ".json", ".html", ".grck", ".photons.exr", ".photons.png"})
+    remove_stale_temporaries(std::filesystem::path(exr).replace_extension(extension));
 }
 
 }  // namespace greenray::cli

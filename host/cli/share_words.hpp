@@ -17,4 +17,7 @@ std::vector<std::string> words_without_share(const Arguments &arguments);
 void tell_share(const Arguments &arguments, const PictureShare &share, const std::filesystem::path &part,
                 int resumed_at);
 
+/// What killed runs left beside a picture's files (render/room_checkpoint.hpp).
+void remove_stale_outputs(const std::filesystem::path &exr);
+
 }  // namespace greenray::cli

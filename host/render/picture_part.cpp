@@ -91,7 +91,9 @@ PartHead read_part_head(const fs::path &path) {
 
 std::vector<std::size_t> order_of_parts(const std::vector<fs::path> &paths, const std::vector<PartHead> &heads) {
   std::vector<Diagnostic> wrong;
-  const auto complain = [&](std::size_t i, const std::string &words) { wrong.push_back({{paths[i].string(), 1, 1}, words}); };
+  const auto complain = [&](std::size_t i, const std::string &words) {
+    wrong.push_back({{paths[i].string(), 1, 1}, words});
+  };
   const int count = heads.front().share.count;
   constexpr std::size_t none = ~std::size_t{0};
   std::vector<std::size_t> order(static_cast<std::size_t>(std::max(count, 1)), none);

@@ -63,7 +63,8 @@ void PixelStatistics::add(const PixelStatistics &later) {
 }
 
 void PixelStatistics::place(const PixelStatistics &part, std::size_t first) {
-  if (first + part.pixels_ > pixels_ || part.waves_ != waves_) throw RunError("passes of another size than the picture");
+  if (first + part.pixels_ > pixels_ || part.waves_ != waves_)
+    throw RunError("passes of another size than the picture");
   for (std::vector<double> PixelStatistics::*sums : parts) {
     const std::size_t each = sums == &PixelStatistics::radiance_ ? waves_ : 1;
     std::copy((part.*sums).begin(), (part.*sums).end(),

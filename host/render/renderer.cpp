@@ -145,11 +145,15 @@ class Renderer {
 
   void shade_per_pixel(const TargetShapes &shapes, SkyPicture &picture) {
     const OwnRayTargets targets{scene_, shapes, plan_.station_m.empty() ? nullptr : &sight_->places()};
-    shade_rows(picture, 1, 0, [&](int first, int last, SkyRun &) {
+    const TraceStats before = sight_->rays().stats();
+    shade_rows(picture, 1, 0, [&](int first, int last, SkyRun &run) {
+      const TraceStats before_these = sight_->rays().stats();
       shade_with_own_rays(sight_->rays(), light_, targets, view(), plan_, {first, last}, picture);
+      run.add_rays(sight_->rays().stats().since(before_these));
       progress("picture", static_cast<double>(last) / picture.height());
     });
-    report_.trace = sight_->rays().stats();
+    report_.trace = before;
+    report_.trace.add(run_->rays());
     report_.lookup_arcsec = report_.bias = 0;
   }
 
@@ -167,8 +171,8 @@ class Renderer {
   void shade_rows(SkyPicture &picture, int rows_a_band, int rows_that_stop,
                   const std::function<void(int, int, SkyRun &)> &shade) {
     const std::string lanes = std::to_string(device_->lanes().lanes_float);
-    run_.emplace(ranks().first() ? options_.keeping : nullptr, sky_identity(scene_, plan_, options_, lanes), rows_that_stop,
-                 picture);
+    run_.emplace(ranks().first() ? options_.keeping : nullptr, sky_identity(scene_, plan_, options_, lanes),
+                 rows_that_stop, picture);
     report_.resumed_rows = run_->resumed_rows(), report_.workers = adaptive() ? 1 : ranks().size();
     run_rows(ranks(), adaptive(), *run_, picture, rows_a_band, shade);
   }

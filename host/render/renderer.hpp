@@ -28,10 +28,10 @@ struct RenderOptions {
   std::optional<int> spp;  // these three override tracing.quality; the first one reached stops
   std::optional<double> error_pct, minutes;
   std::function<void(const std::string &phase, double fraction, double noise)> progress;
-  SkySightCache *cache = nullptr;  // rays of sight of the picture before, for this one if it has the same
+  SkySightCache *cache = nullptr;       // rays of sight of the picture before, for this one if it has the same
   const SkyKeeping *keeping = nullptr;  // where rows that are done are kept (render/sky_run.hpp)
   std::function<std::string(const RenderReport &)> part_report;  // JSON for the part of a share
-  Ranks *ranks = nullptr;               // workers that make it together; all but rank 0 get an empty picture
+  Ranks *ranks = nullptr;  // workers that make it together; all but rank 0 get an empty picture
 };
 
 /// One decision of the planner: what was chosen, why, and what the choice costs in accuracy.

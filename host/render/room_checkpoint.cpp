@@ -95,7 +95,7 @@ void remove_stale_temporaries(const fs::path &target) {
   const std::string stem = "." + target.filename().string() + ".";
   for (const auto &entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    if (name.rfind(stem, 0) != 0 || entry.path().extension() != ".tmp") continue;
+    if (name.rfind(stem, 0) != 0 || !(name.ends_with(".tmp") || name.ends_with(".tmp.old"))) continue;
     const std::string number = name.substr(stem.size(), name.find('.', stem.size()) - stem.size());
     if (number.empty() || number.size() > 9 || number.find_first_not_of("0123456789") != std::string::npos) continue;
     if (::kill(std::stoi(number), 0) != 0 && errno == ESRCH) fs::remove(entry.path(), error);

@@ -43,9 +43,7 @@ class RoomEye {
   void catch_up(int pass, RoomTracer &tracer);
   const std::vector<int> &lamp_pixels() const { return lamp_pixels_; }  // of the region
   /// passes: whose finds these are, all together
-  void set_lamp_pixels(std::vector<int> pixels, int passes) {
-    lamp_pixels_ = std::move(pixels), lamps_of_ = passes;
-  }
+  void set_lamp_pixels(std::vector<int> pixels, int passes) { lamp_pixels_ = std::move(pixels), lamps_of_ = passes; }
   /// More, found elsewhere; then those of so many passes are known.
   void add_lamp_pixels(const std::vector<int> &found, int passes);
   const std::vector<int> &edge_pixels() const { return edge_pixels_; }  // of the region
@@ -80,7 +78,7 @@ class RoomEye {
   std::optional<EyeBand> first_band_;  // of pass 0, where one band is the whole picture
   std::vector<float> lamps_;           // [pixels][waves], light of lamps in the current pass
   std::vector<int> lamp_pixels_, edge_pixels_;
-  int lamps_of_ = 0;  // passes
+  int lamps_of_ = 0;                                                 // passes
   static constexpr std::size_t most_samples = std::size_t{1} << 18;  // on the device at once
   double gather_seconds_ = 0;
 };

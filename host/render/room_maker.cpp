@@ -48,8 +48,7 @@ void RoomMaker::begin() {
 void RoomMaker::begin(const RoomBeginning &from, int lamp_passes) {
   const std::size_t pixels = plan_.pixels();
   const auto fit = [&](const std::vector<int> &list) {
-    return std::all_of(list.begin(), list.end(),
-                       [&](int i) { return i >= 0 && static_cast<std::size_t>(i) < pixels; });
+    return std::all_of(list.begin(), list.end(), [&](int i) { return i >= 0 && static_cast<std::size_t>(i) < pixels; });
   };
   const auto has_room = [](int slots) { return slots >= 0 && slots < (1 << 24); };
   if (!fit(from.lamp_pixels) || !fit(from.edge_pixels) || !has_room(from.slots[0]) || !has_room(from.slots[1]))
@@ -62,8 +61,8 @@ void RoomMaker::begin(const RoomBeginning &from, int lamp_passes) {
 }
 
 RoomBeginning RoomMaker::beginning() {
-  return {plan_.photons_a_pass, photons_->slots(), photons_->mapper().radii(),
-          eye_->lamp_pixels(), eye_->edge_pixels()};
+  return {plan_.photons_a_pass, photons_->slots(), photons_->mapper().radii(), eye_->lamp_pixels(),
+          eye_->edge_pixels()};
 }
 
 MadePass RoomMaker::make(int pass, const std::function<void(const char *, double)> &between) {

@@ -13,10 +13,10 @@ namespace greenray {
 /// What later passes take from the first one.
 struct RoomBeginning {
   std::int64_t photons_a_pass = 0;
-  std::array<int, 2> slots{};              // RoomPhotons::slots()
-  std::vector<float> radii;                // PhotonMapper::radii()
-  std::vector<int> lamp_pixels;            // RoomEye::lamp_pixels() of as many passes as are told beside it
-  std::vector<int> edge_pixels;            // RoomEye::edge_pixels()
+  std::array<int, 2> slots{};    // RoomPhotons::slots()
+  std::vector<float> radii;      // PhotonMapper::radii()
+  std::vector<int> lamp_pixels;  // RoomEye::lamp_pixels() of as many passes as are told beside it
+  std::vector<int> edge_pixels;  // RoomEye::edge_pixels()
 
   template <class Sink>
   void write(Sink &to) const {

@@ -19,7 +19,8 @@ constexpr double work_over_keeping = 20;   // at least: large pictures are not w
 std::string lanes_of(Ranks &ranks, const Device &device) {
   const std::string own = std::to_string(device.lanes().lanes_float);
   if (ranks.size() == 1) return own;
-  const std::vector<std::string> all = ranks.exchange(std::vector<std::string>(static_cast<std::size_t>(ranks.size()), own));
+  const std::vector<std::string> all =
+      ranks.exchange(std::vector<std::string>(static_cast<std::size_t>(ranks.size()), own));
   if (std::all_of(all.begin(), all.end(), [&](const std::string &lanes) { return lanes == all.front(); })) return own;
   std::string list;
   for (const std::string &lanes : all) list += (list.empty() ? "" : ",") + lanes;
@@ -41,9 +42,10 @@ struct RoomRun::Letter {
   std::string pack() const {
     Packer to;
     to.add(code), to.add(words), to.add(has_pass), to.add(has_beginning);
-    if (has_beginning) to.add(std::vector<std::size_t>{beginning.radii.size(), beginning.lamp_pixels.size(),
-                                                       beginning.edge_pixels.size()}),
-        beginning.write(to);
+    if (has_beginning)
+      to.add(
+          std::vector<std::size_t>{beginning.radii.size(), beginning.lamp_pixels.size(), beginning.edge_pixels.size()}),
+          beginning.write(to);
     if (!has_pass) return to.take();
     to.add(photons), to.add(lamp_pixels);
     for (const std::vector<float> RoomPass::*values : arrays) to.add(pass.*values);
@@ -63,9 +65,9 @@ struct RoomRun::Letter {
     for (std::vector<float> RoomPass::*values : arrays) from.take(letter.pass.*values);
     return letter;
   }
-  static constexpr std::array<std::vector<float> RoomPass::*, 6> arrays{
-      &RoomPass::radiance, &RoomPass::narrower,  &RoomPass::variance,
-      &RoomPass::depth_m,  &RoomPass::bend_mrad, &RoomPass::photon_count};
+  static constexpr std::array<std::vector<float> RoomPass::*, 6> arrays{&RoomPass::radiance,  &RoomPass::narrower,
+                                                                        &RoomPass::variance,  &RoomPass::depth_m,
+                                                                        &RoomPass::bend_mrad, &RoomPass::photon_count};
 };
 
 RoomRun::RoomRun(const RoomScene &scene, const RoomOptions &options, const std::shared_ptr<Device> &device,

@@ -1,4 +1,5 @@
-// The passes of a room, one after the other or shared out to workers that have a device each, until the picture is done.
+// The passes of a room, one after the other or shared out to workers that have a device each, until the picture is
+// done.
 #pragma once
 #include <chrono>
 #include <exception>
@@ -52,7 +53,7 @@ class RoomRun {
   std::string lanes_;
   std::optional<RoomState> found_;  // in a checkpoint
   std::optional<RoomMaker> maker_;
-  RoomBeginning beginning_;             // with the lamps of the passes that are done
+  RoomBeginning beginning_;            // with the lamps of the passes that are done
   std::optional<BlockedTally> tally_;  // of this worker's share of the pixels
   PixelStatistics::Totals totals_;     // so far, where all pixels are here
   int done_passes_ = 0, resumed_at_ = 0;

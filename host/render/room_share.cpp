@@ -25,12 +25,18 @@ constexpr std::size_t most_pending_bytes = std::size_t{256} << 20;
 
 /// Of a report what no sum over passes tells.
 Json known_json(const RoomReport &r) {
-  return {{"triangles", r.triangles},         {"spheres", r.spheres},
-          {"air_cells", r.air_cells},         {"table_error_m", r.table_error_m},
-          {"table_arcsec", r.table_arcsec},   {"solver_arcsec", r.solver_arcsec},
-          {"aimed_cells", r.aimed_cells},     {"build_seconds", r.build_seconds},
-          {"map_seconds", r.map_seconds},     {"gather_seconds", r.gather_seconds},
-          {"cover_seconds", r.cover_seconds}, {"eye_seconds", r.eye_seconds},
+  return {{"triangles", r.triangles},
+          {"spheres", r.spheres},
+          {"air_cells", r.air_cells},
+          {"table_error_m", r.table_error_m},
+          {"table_arcsec", r.table_arcsec},
+          {"solver_arcsec", r.solver_arcsec},
+          {"aimed_cells", r.aimed_cells},
+          {"build_seconds", r.build_seconds},
+          {"map_seconds", r.map_seconds},
+          {"gather_seconds", r.gather_seconds},
+          {"cover_seconds", r.cover_seconds},
+          {"eye_seconds", r.eye_seconds},
           {"compile_seconds", r.compile_seconds}};
 }
 
@@ -41,10 +47,13 @@ void add_known(const Json &j, bool first, RoomReport &r) {
     r.table_error_m = j.at("table_error_m"), r.table_arcsec = j.at("table_arcsec");
     r.solver_arcsec = j.at("solver_arcsec"), r.aimed_cells = j.at("aimed_cells");
   }
-  for (const auto &[name, value] : std::initializer_list<std::pair<const char *, double *>>{
-           {"build_seconds", &r.build_seconds},   {"map_seconds", &r.map_seconds},
-           {"gather_seconds", &r.gather_seconds}, {"cover_seconds", &r.cover_seconds},
-           {"eye_seconds", &r.eye_seconds},       {"compile_seconds", &r.compile_seconds}})
+  for (const auto &[name, value] :
+       std::initializer_list<std::pair<const char *, double *>>{{"build_seconds", &r.build_seconds},
+                                                                {"map_seconds", &r.map_seconds},
+                                                                {"gather_seconds", &r.gather_seconds},
+                                                                {"cover_seconds", &r.cover_seconds},
+                                                                {"eye_seconds", &r.eye_seconds},
+                                                                {"compile_seconds", &r.compile_seconds}})
     *value += j.at(name).get<double>();
 }
 
@@ -58,8 +67,12 @@ struct RoomPart {
   RoomBeginning beginning;
 
   std::string more() const {
-    return Json{{"pixels", pixels},           {"waves", waves},   {"blocks", blocks}, {"lamp_passes", lamp_passes},
-                {"photons_a_pass", photons_a_pass}, {"counts", beginning.counts()}}
+    return Json{{"pixels", pixels},
+                {"waves", waves},
+                {"blocks", blocks},
+                {"lamp_passes", lamp_passes},
+                {"photons_a_pass", photons_a_pass},
+                {"counts", beginning.counts()}}
         .dump();
   }
 };
@@ -111,7 +124,8 @@ class ShareRun {
 
   RoomReport run() {
     const RoomPlan plan = plan_room(scene_, options_);
-    if (plan.open) throw InputError({"command line", 1, 1}, "a share of passes without number: expected --photons or --spp");
+    if (plan.open)
+      throw InputError({"command line", 1, 1}, "a share of passes without number: expected --photons or --spp");
     part_.head.identity = room_identity(scene_, options_, plan, std::to_string(device_->lanes().lanes_float));
     if (take_up()) return report_;
     maker_.emplace(scene_, options_, device_, plan);
@@ -223,8 +237,7 @@ class ShareRun {
       if (interrupted) throw Interrupted(std::string("interrupted; no checkpoint: ") + second.what());
       throw error;
     }
-    const std::string kept =
-        std::to_string(kept_blocks_) + " blocks of passes kept in " + options_.checkpoint.string();
+    const std::string kept = std::to_string(kept_blocks_) + " blocks of passes kept in " + options_.checkpoint.string();
     if (interrupted) throw Interrupted("interrupted: " + kept);
     throw Error(ExitCode::stopped_early, std::string(error.what()) + "; " + kept);
   }
@@ -296,8 +309,7 @@ RoomPlan plan_of_parts(const RoomScene &scene, const RoomOptions &options, const
   RoomPlan plan = plan_room(scene, options);
   const RoomPart &first = readers[order[0]]->part;
   std::vector<std::string> changed =
-      changed_keys(first.head.identity,
-                   room_identity(scene, options, plan, first.head.identity.options.at("--lanes")));
+      changed_keys(first.head.identity, room_identity(scene, options, plan, first.head.identity.options.at("--lanes")));
   std::vector<Diagnostic> wrong;
   for (const std::string &key : changed)
     wrong.push_back({{paths[order[0]].string(), 1, 1}, "expected a part of the scene as it is now: " + key});

@@ -1,5 +1,5 @@
-// Sums over the passes of a room, for all pixels or for some of them, in an order that does not depend on who made which
-// pass.
+// Sums over the passes of a room, for all pixels or for some of them, in an order that does not depend on who made
+// which pass.
 #pragma once
 #include "compute/room_tracer.hpp"
 #include "render/pixel_statistics.hpp"
@@ -25,7 +25,9 @@ struct RoomTally {
   void clear() { *this = RoomTally(pixels.pixels(), pixels.waves()); }
 
   /// Bytes that write() makes.
-  std::size_t bytes() const { return pixels.state_size() * sizeof(double) + sums.size() * sizeof(float) + sizeof photons; }
+  std::size_t bytes() const {
+    return pixels.state_size() * sizeof(double) + sums.size() * sizeof(float) + sizeof photons;
+  }
   /// To a file or a letter: anything with add(values) for arrays. The counts must be told beside it.
   template <class Sink>
   void write(Sink &to) const {

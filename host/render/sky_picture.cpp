@@ -53,7 +53,9 @@ void SkyPicture::keep(const SkySums &sums, int first_row, int rows, int samples)
 
 SkyRows SkyPicture::rows(int first, int last) const {
   const auto some = [&](const auto &values, std::size_t each) {
-    const auto at = [&](int row) { return values.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(row) * each); };
+    const auto at = [&](int row) {
+      return values.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(row) * each);
+    };
     return std::vector(at(first), at(last));
   };
   const auto width = static_cast<std::size_t>(image_.width);
@@ -69,7 +71,8 @@ bool SkyPicture::set_rows(const SkyRows &rows) {
   std::copy(rows.samples.begin(), rows.samples.end(), samples_.begin() + rows.first);
   std::copy(rows.radiance.begin(), rows.radiance.end(),
             image_.radiance.begin() + static_cast<std::ptrdiff_t>(first * width * waves_));
-  std::copy(rows.moments.begin(), rows.moments.end(), moments_.begin() + static_cast<std::ptrdiff_t>(2 * first * width));
+  std::copy(rows.moments.begin(), rows.moments.end(),
+            moments_.begin() + static_cast<std::ptrdiff_t>(2 * first * width));
   const double bands = static_cast<double>(waves_);
   std::vector<float> &variances = image_.channels["variance"];
   for (std::size_t i = first * width; i < (first + count) * width; ++i)

@@ -10,7 +10,7 @@ namespace greenray {
 /// Rows first, first + 1 ... of the crop, as a file keeps them.
 struct SkyRows {
   int first = 0;
-  std::vector<int> samples;             // of each row
+  std::vector<int> samples;              // of each row
   std::vector<float> radiance, moments;  // [rows][width][waves]; [rows][width][2]: of the samples' sums
 };
 

@@ -13,12 +13,13 @@ constexpr int strips_a_worker = 4;  // at least, so that none waits long for ano
 struct Strip {
   int code = 0;
   std::string words;
+  TraceStats rays;
   SkyRows rows;
 
   std::string pack(bool with_rows) const {
     Packer to;
     to.add(code), to.add(words), to.add(with_rows);
-    if (with_rows) to.add(rows.first), to.add(rows.samples), to.add(rows.radiance), to.add(rows.moments);
+    if (with_rows) to.add(rays), to.add(rows.first), to.add(rows.samples), to.add(rows.radiance), to.add(rows.moments);
     return to.take();
   }
   static Strip unpack(const std::string &bytes) {
@@ -26,7 +27,8 @@ struct Strip {
     Unpacker from(bytes);
     from.take(s.code), from.take(s.words);
     if (!from.get<bool>()) return s;
-    from.take(s.rows.first), from.take(s.rows.samples), from.take(s.rows.radiance), from.take(s.rows.moments);
+    from.take(s.rays), from.take(s.rows.first), from.take(s.rows.samples), from.take(s.rows.radiance),
+        from.take(s.rows.moments);
     return s;
   }
 };
@@ -63,10 +65,11 @@ class SharedRows {
     const int first = std::min(done + strip_ * ranks_.rank(), picture_.height()),
               last = std::min(first + strip_, picture_.height());
     Strip own;
+    const TraceStats before = run_.rays();
     std::exception_ptr own_error;
     try {
       if (first < last) shade_(first, last, run_);
-      own.rows = picture_.rows(first, last);
+      own.rows = picture_.rows(first, last), own.rays = run_.rays().since(before);
     } catch (const Error &error) {
       own_error = std::current_exception();
       own.code = static_cast<int>(error.exit_code()), own.words = error.what();
@@ -79,6 +82,7 @@ class SharedRows {
       if (strip.code != 0) stop(strip, static_cast<int>(r), own_error);
       if (!ranks_.first()) continue;
       if (r > 0 && !picture_.set_rows(strip.rows)) throw RunError("a worker sent rows of another picture");
+      if (r > 0) run_.add_rays(strip.rays);
       run_.band_done(std::min(done + strip_ * (static_cast<int>(r) + 1), picture_.height()));
     }
   }

@@ -25,9 +25,10 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
 /// What a file holds behind its head.
 struct SkyFile {
   PartHead head;
-  int first = 0, last = 0, done = 0, rows_a_band = 0;
+  int first = 0, last = 0, done = 0;
   double seconds = 0;
-  SkyRows rows;  // first .. done - 1
+  TraceStats rays;  // of these rows
+  SkyRows rows;     // first .. done - 1
   std::vector<std::string> channels;
   std::vector<std::vector<float>> channel_rows;
   std::optional<SkyBand> band;
@@ -36,13 +37,17 @@ struct SkyFile {
     Json more{{"first", first},
               {"last", last},
               {"done", done},
-              {"rows_a_band", rows_a_band},
               {"seconds", seconds},
+              {"rays",
+               {rays.outcomes, rays.rays, rays.steps, rays.rejected, rays.device_seconds, rays.solver_error_rad,
+                rays.bouguer_drift}},
               {"counts", {rows.samples.size(), rows.radiance.size(), rows.moments.size()}},
               {"channels", channels}};
     if (band)
-      more["band"] = {{"first_row", band->first_row}, {"rows", band->rows},
-                      {"samples", band->samples},     {"seconds", band->seconds},
+      more["band"] = {{"first_row", band->first_row},
+                      {"rows", band->rows},
+                      {"samples", band->samples},
+                      {"seconds", band->seconds},
                       {"counts", {band->spectra.size(), band->moments.size()}}};
     AtomicFile file(path);
     CheckedWriter writer(file, kind, head_json(head, more.dump()));
@@ -54,16 +59,19 @@ struct SkyFile {
   }
 
   static SkyFile read(const fs::path &path, const std::string &kind, const std::string &else_do) {
-    CheckedReader reader(path, kind, kind == part_kind ? "a part of a picture made by this version with --shard"
-                                                       : "a checkpoint of this version",
-                         else_do);
+    CheckedReader reader(
+        path, kind,
+        kind == part_kind ? "a part of a picture made by this version with --shard" : "a checkpoint of this version",
+        else_do);
     SkyFile f;
     try {
       std::string words;
       f.head = parse_head(reader.json(), words);
       const Json more = Json::parse(words);
       f.first = more.at("first"), f.last = more.at("last"), f.done = more.at("done");
-      f.rows_a_band = more.at("rows_a_band"), f.seconds = more.at("seconds");
+      f.seconds = more.at("seconds");
+      const Json &r = more.at("rays");
+      f.rays = {r.at(0), r.at(1), r.at(2), r.at(3), r.at(4), r.at(5), r.at(6)};
       f.rows.first = f.first;
       const std::vector<std::size_t> counts = more.at("counts");
       reader.take(f.rows.samples, counts.at(0)), reader.take(f.rows.radiance, counts.at(1));
@@ -149,7 +157,8 @@ void SkyRun::take_up() {
     return;
   }
   try {
-    SkyFile found = SkyFile::read(keeping_->file, keeping_->share ? part_kind : checkpoint_kind, "--no-resume starts anew");
+    SkyFile found =
+        SkyFile::read(keeping_->file, keeping_->share ? part_kind : checkpoint_kind, "--no-resume starts anew");
     std::vector<std::string> changed = changed_keys(found.head.identity, head_.identity);
     if (found.head.share != head_.share) changed.push_back("--shard was " + found.head.share.words());
     std::vector<Diagnostic> all;
@@ -159,7 +168,7 @@ void SkyRun::take_up() {
       all.push_back({place, "expected a checkpoint of this picture: its size is another; --no-resume starts anew"});
     if (!all.empty()) throw InputError(all);
     done_ = found.done, resumed_ = done_ - first_, seconds_before_ = found.seconds;
-    complete_ = found.head.complete;
+    complete_ = found.head.complete, rays_ = found.rays;
     begun_ = std::move(found.band);
   } catch (const InputError &wrong) {
     if (must) throw;
@@ -201,7 +210,7 @@ void SkyRun::keep_if_possible(const std::optional<SkyBand> &band) {
 
 void SkyRun::write(const std::optional<SkyBand> &band) {
   const auto begin = Clock::now();
-  SkyFile f{head_, first_, last_, done_, 0, spent_seconds(), picture_.rows(first_, done_), {}, {}, band};
+  SkyFile f{head_, first_, last_, done_, spent_seconds(), rays_, picture_.rows(first_, done_), {}, {}, band};
   if (head_.complete)
     for (const auto &[name, values] : picture_.image().channels) {
       if (name == "variance") continue;  // follows from the rest
@@ -262,6 +271,7 @@ MergedSky merge_sky(const Scene &scene, const RenderPlan &plan, const RenderOpti
   for (const std::string &key : changed_keys(then, now))
     wrong.push_back({{parts[order[0]].string(), 1, 1}, "expected a part of the scene as it is now: " + key});
   if (!wrong.empty()) throw InputError(wrong);
+  MergedSky out;
   SkyPicture picture(plan);
   std::map<std::string, std::vector<float>> channels;
   for (std::size_t s = 0; s < order.size(); ++s) {
@@ -270,10 +280,11 @@ MergedSky merge_sky(const Scene &scene, const RenderPlan &plan, const RenderOpti
     const std::array<int, 2> rows = rows_of_share(picture.height(), heads[order[s]].share);
     if (part.first != rows[0] || part.last != rows[1] || part.done != part.last || !picture.set_rows(part.rows))
       throw InputError({path.string(), 1, 1}, "expected rows of this picture");
+    if (s > 0) out.more_rays.add(part.rays);
     for (std::size_t c = 0; c < part.channels.size(); ++c)
-      std::copy(part.channel_rows[c].begin(), part.channel_rows[c].end(), std::back_inserter(channels[part.channels[c]]));
+      std::copy(part.channel_rows[c].begin(), part.channel_rows[c].end(),
+                std::back_inserter(channels[part.channels[c]]));
   }
-  MergedSky out;
   out.noise_rms = picture.noise_rms();
   out.spp = picture.most_samples();
   out.image = picture.take();

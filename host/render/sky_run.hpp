@@ -43,11 +43,14 @@ class SkyRun {
 
   int last_row() const { return last_; }
   int done_rows() const { return done_; }
-  int resumed_rows() const { return resumed_; }  // that were done before
+  int resumed_rows() const { return resumed_; }   // that were done before
   bool is_complete() const { return complete_; }  // a part that was finished before
   /// The band that was begun, if it is this one.
   std::optional<SkyBand> begun(int first_row, int rows);
 
+  /// Rays that rows had of their own.
+  void add_rays(const TraceStats &rays) { rays_.add(rays); }
+  const TraceStats &rays() const { return rays_; }
   void band_done(int last_row);
   /// After a pass of a band: how its sums are read, and perhaps kept; nothing while they are not whole.
   void in_band(std::function<SkyBand()> band);
@@ -71,6 +74,7 @@ class SkyRun {
   int first_ = 0, last_ = 0, done_ = 0, resumed_ = 0;
   bool complete_ = false;
   double seconds_before_ = 0, keep_seconds_ = 0;
+  TraceStats rays_;
   std::optional<SkyBand> begun_;
   std::function<SkyBand()> band_;
 };
@@ -83,6 +87,7 @@ struct MergedSky {
   double noise_rms = 0;
   int spp = 0;              // largest
   std::string report_json;  // of the first share
+  TraceStats more_rays;     // that the rows of the others had
 };
 
 /// Parts of every share, in any order. Needs no device. errors: InputError

@@ -35,7 +35,8 @@ void Ranks::together(const std::function<void()> &work) {
   if (size() > 1) {
     Packer packer;
     packer.add(code), packer.add(message);
-    const std::vector<std::string> all = exchange(std::vector<std::string>(static_cast<std::size_t>(size()), packer.take()));
+    const std::vector<std::string> all =
+        exchange(std::vector<std::string>(static_cast<std::size_t>(size()), packer.take()));
     for (int r = 0; r < size(); ++r) {
       Unpacker from(all[static_cast<std::size_t>(r)]);
       from.take(code), from.take(message);

@@ -78,10 +78,10 @@ TEST_F(TrustTest, AnErrorToReachStopsWorkersAtTheSamePass) {
   const RoomScene scene = shipped_room("cornell", {"photons.emitted=20000", "spectrum.samples=2"});
   RoomOptions options;
   options.size = {16, 12};
-  options.error_pct = 20;
+  options.error_pct = 11;
   const RoomPicture one = render_room(scene, options, shared_device());
   ASSERT_GT(one.report.passes, 4);
-  ASSERT_LT(one.report.passes, 200);
+  ASSERT_LT(one.report.passes, 60);
   expect_same(one, render_room(scene, options, devices(3)));
 }
 

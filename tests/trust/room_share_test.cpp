@@ -20,7 +20,7 @@ TEST_F(TrustTest, SharesMergedAreOneRun) {
 
 TEST_F(TrustTest, SumsInBlocksOfPassesAreOneRun) {
   // oracle: one undisturbed run; more passes than blocks, the last block is not full;  tolerance: none
-  const RoomScene scene = shipped_room("cornell", {"photons.emitted=31000", "spectrum.samples=1"});
+  const RoomScene scene = shipped_room("cornell", {"photons.emitted=28900", "spectrum.samples=1"});
   RoomOptions options = in_passes(RoomPlan::most_blocks + 33);
   options.size = {6, 5};
   const RoomPlan plan = plan_room(scene, options);
