@@ -60,7 +60,8 @@ TEST_F(TrustCommand, BatchMakesItsShareOfThePictures) {
   EXPECT_TRUE(fs::exists(folder / "p/b.exr"));
   EXPECT_FALSE(fs::exists(folder / "p/a.exr") || fs::exists(folder / "p/c.exr"));
   ASSERT_EQ(run({"batch", "jobs.csv", "-o", "p", "--shard", "1/2", "--quiet"}).code, 0);
-  EXPECT_TRUE(fs::exists(folder / "p/a.exr") && fs::exists(folder / "p/c.exr") && fs::exists(folder / "p/jobs-sheet.png"));
+  EXPECT_TRUE(fs::exists(folder / "p/a.exr") && fs::exists(folder / "p/c.exr") &&
+              fs::exists(folder / "p/jobs-sheet.png"));
 }
 
 // oracle: a render goes on without its checkpoint; where the picture itself has no room: exit 1, or 5 with a checkpoint
@@ -83,7 +84,8 @@ TEST_F(TrustCommand, ADiskThatFillsUp) {
 
   How how = here();  // fills up when the first checkpoint is there
   how.meanwhile = [&](pid_t) {
-    for (int i = 0; i < 3000 && !fs::exists(disk / "x.grck"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    for (int i = 0; i < 3000 && !fs::exists(disk / "x.grck"); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
     std::error_code none;
     std::ofstream(disk / "other", std::ios::binary) << std::string(1'000'000, 'x');
   };
