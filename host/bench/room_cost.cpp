@@ -48,16 +48,19 @@ class PhotonRun {
     plan_ = plan_room(scene_, options_);
     photons_.emplace(scene_, options_, device, *tracer_, looks_, tree.bounds,
                      medium_disperses(air, diagonal_m(tree.bounds)));
-    photons_->fit(plan_, 0, false);
+    photons_->fit(plan_, 0);
   }
 
   void run() {
-    photons_->set_totals({});
-    for (int pass = 0; pass < plan_.passes; ++pass) photons_->trace(plan_, pass);
+    totals_ = {};
+    for (int pass = 0; pass < plan_.passes; ++pass) {
+      photons_->trace(plan_, pass);
+      totals_.add(photons_->totals());
+    }
   }
 
   Record record(const Device &device, const std::string &variant) const {
-    const PhotonTotals &t = photons_->totals();
+    const PhotonTotals &t = totals_;
     Record r;
     r.suite = "geometry", r.case_name = "cross-room", r.variant = variant;
     r.device = device_words(device), r.rate_unit = "photon/s";
@@ -78,6 +81,7 @@ class PhotonRun {
   RoomScene scene_;
   RoomLooks looks_;
   RoomOptions options_;
+  PhotonTotals totals_;
   RoomPlan plan_;
   std::optional<RoomTracer> tracer_;
   std::optional<RoomPhotons> photons_;

@@ -11,8 +11,10 @@
 
 #include "atmosphere/profile_file.hpp"
 #include "cli/render_command.hpp"
+#include "cli/share_words.hpp"
 #include "image/contact_sheet.hpp"
 #include "render/renderer.hpp"
+#include "render/room_checkpoint.hpp"
 #include "scene/job_list.hpp"
 #include "scene/room_scene.hpp"
 #include "scene/scene_file.hpp"
@@ -26,8 +28,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-const std::vector<std::string> not_passed_on{"--output", "--resume",  "--no-resume", "--jobs", "--json",
-                                             "--quiet",  "--verbose", "--help",      "--set"};
+const std::vector<std::string> not_passed_on{"--output", "--resume", "--no-resume", "--jobs", "--json",
+                                             "--shard",  "--quiet",  "--verbose",   "--help", "--set"};
 
 struct Picture {
   Job job;
@@ -155,7 +157,11 @@ class BatchRun {
   }
 
   void take(const Picture &picture, std::size_t i, Session &session) {
-    if (is_done(picture)) return tell(i, "skipped", 0, "");
+    if (is_done(picture)) {  // but perhaps killed just then
+      remove_checkpoint(beside(picture, ".grck"));
+      remove_stale_outputs(picture.exr);
+      return tell(i, "skipped", 0, "");
+    }
     const auto begin = std::chrono::steady_clock::now();
     try {
       render_picture(picture.arguments, session);
@@ -204,17 +210,27 @@ std::string write_sheet(const std::vector<Picture> &pictures, const fs::path &to
   return to.string();
 }
 
+std::vector<Picture> pictures_of_share(const std::vector<Picture> &all, const PictureShare &share) {
+  std::vector<Picture> some;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (i % static_cast<std::size_t>(share.count) == static_cast<std::size_t>(share.index)) some.push_back(all[i]);
+  return some;
+}
+
 int batch(const Arguments &a) {
   const fs::path source = a.positional()[0];
   const std::string name = source.stem().string();
   const fs::path folder = a.has("--output") ? fs::path(a.text("--output")) : fs::path("out") / name;
   const auto threads = static_cast<unsigned>(a.optional_number("--jobs", 1, 64, "pictures").value_or(1));
+  const std::optional<PictureShare> share = share_from(a);
   const std::vector<Picture> pictures = pictures_from(jobs_from(a), folder, a);
   std::error_code no_folder;  // told by the first picture
   fs::create_directories(folder, no_folder);
-  BatchRun run(pictures, a);
+  BatchRun run(share ? pictures_of_share(pictures, *share) : pictures, a);
   run.work(threads);
-  const std::string sheet = write_sheet(pictures, folder / (name + "-sheet.png"));
+  const fs::path all = folder / (name + "-sheet.png");
+  remove_stale_temporaries(all);
+  const std::string sheet = write_sheet(pictures, all);
   for (const Diagnostic &failure : run.failed()) std::cerr << "failed   " << failure.text() << "\n";
   if (a.has("--json"))
     std::cout << Json{{"event", "done"},
@@ -234,7 +250,8 @@ int batch(const Arguments &a) {
 
 Command batch_command() {
   std::vector<Flag> flags{{"--output", "-o", "DIR", "folder of the pictures (out/NAME)"},
-                          {"--jobs", "-j", "N", "pictures at a time, each with a device of its own (1)"}};
+                          {"--jobs", "-j", "N", "pictures at a time, each with a device of its own (1)"},
+                          {"--shard", "", "I/N", "only every N-th picture from the I-th on, for one of N machines"}};
   for (const Flag &flag : render_flags())
     if (std::find(not_passed_on.begin(), not_passed_on.end(), flag.name) == not_passed_on.end() || flag.name == "--set")
       flags.push_back(flag);

@@ -23,6 +23,7 @@ Command transfer_command();
 Command profile_command();
 Command render_command();
 Command check_command();
+Command merge_command();
 Command batch_command();
 Command scenes_command();
 Command new_command();

@@ -2,9 +2,11 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <exception>
 #include <iostream>
 
 #include "cli/commands.hpp"
+#include "cli/mpi.hpp"
 #include "render/renderer.hpp"
 #include "support/version.hpp"
 
@@ -12,10 +14,10 @@ namespace greenray::cli {
 namespace {
 
 std::vector<Command> all_commands() {
-  std::vector<Command> commands{render_command(),   batch_command(),   check_command(),      scenes_command(),
-                                new_command(),      profile_command(), refraction_command(), trace_command(),
-                                transfer_command(), develop_command(), sunset_command(),     eye_command(),
-                                compare_command(),  devices_command(), bench_command()};
+  std::vector<Command> commands{render_command(), batch_command(),    merge_command(),   check_command(),
+                                scenes_command(), new_command(),      profile_command(), refraction_command(),
+                                trace_command(),  transfer_command(), develop_command(), sunset_command(),
+                                eye_command(),    compare_command(),  devices_command(), bench_command()};
   std::vector<CommandSpec> specs;
   for (const Command &command : commands) specs.push_back(command.spec);
   commands.push_back(manual_command(specs));
@@ -75,23 +77,37 @@ static void install_signal_handlers() {
   signal(SIGPIPE, SIG_IGN);
 }
 
-int main(int count, char **words) {
-  install_signal_handlers();
+/// What ends a run: one message, unless another worker has told it, and its code.
+static int told(const std::exception_ptr &error) {
   try {
-    const int code = greenray::cli::dispatch({words + 1, words + count});
-    if (!std::cout.flush()) throw greenray::RunError("cannot write to standard output");
-    return code;
-  } catch (const greenray::InputError &error) {
-    std::cerr << error.what() << "\n";
-    return static_cast<int>(error.exit_code());
-  } catch (const greenray::Error &error) {
-    std::cerr << "greenray: " << error.what() << "\n";
-    return static_cast<int>(error.exit_code());
+    std::rethrow_exception(error);
+  } catch (const greenray::InputError &wrong) {
+    std::cerr << wrong.what() << "\n";
+    return static_cast<int>(wrong.exit_code());
+  } catch (const greenray::RanksLost &lost) {
+    return static_cast<int>(lost.exit_code());
+  } catch (const greenray::Error &failure) {
+    std::cerr << "greenray: " << failure.what() << "\n";
+    return static_cast<int>(failure.exit_code());
   } catch (const std::bad_alloc &) {
     std::cerr << "greenray: out of memory on the host: try a smaller --size, fewer rows or wavelengths\n";
     return static_cast<int>(greenray::ExitCode::out_of_memory);
-  } catch (const std::exception &error) {
-    std::cerr << "greenray: " << error.what() << "\n";
+  } catch (const std::exception &failure) {
+    std::cerr << "greenray: " << failure.what() << "\n";
     return static_cast<int>(greenray::ExitCode::run_failed);
   }
+}
+
+int main(int count, char **words) {
+  install_signal_handlers();
+  int code = 0;
+  try {
+    greenray::cli::join_workers(count > 1 ? words[1] : "");
+    code = greenray::cli::dispatch({words + 1, words + count});
+    if (!std::cout.flush()) throw greenray::RunError("cannot write to standard output");
+  } catch (...) {
+    code = told(std::current_exception());
+  }
+  greenray::cli::leave_workers(code);
+  return code;
 }

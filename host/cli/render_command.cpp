@@ -11,12 +11,16 @@
 #include <sstream>
 
 #include "cli/commands.hpp"
+#include "cli/mpi.hpp"
 #include "cli/observe.hpp"
 #include "cli/progress.hpp"
 #include "cli/render_command.hpp"
 #include "cli/room_command.hpp"
+#include "cli/share_words.hpp"
 #include "image/exr.hpp"
 #include "render/report.hpp"
+#include "render/room_checkpoint.hpp"
+#include "render/sky_run.hpp"
 #include "report/sky_report.hpp"
 #include "scene/scene_file.hpp"
 #include "support/angle.hpp"
@@ -80,7 +84,7 @@ std::string utc_now() {
 }
 
 ExrAttributes attributes_of(const Scene &scene, const RenderPlan &plan, const RenderOptions &options,
-                            const Device &device) {
+                            const std::string &device) {
   std::string overrides;
   for (const std::string &o : scene.overrides) overrides += "-D " + o + "\n";
   return {{"greenray.version", std::string(version())},
@@ -88,7 +92,7 @@ ExrAttributes attributes_of(const Scene &scene, const RenderPlan &plan, const Re
           {"greenray.overrides", overrides},
           {"greenray.scene_hash", scene_hash(scene)},
           {"greenray.seed", std::to_string(options.seed)},
-          {"greenray.device", device.info().name},
+          {"greenray.device", device},
           {"greenray.time", utc_now()},
           {"greenray.straight", std::string(options.straight ? "yes" : "no")},
           {"greenray.exaggerate", scene.atmosphere.profile.exaggerate},
@@ -142,73 +146,230 @@ void check_writable(const fs::path &path) {
   probe.write("x");
 }
 
-}  // namespace
+/// A picture of the sky to be made: what the words of a command line say.
+struct SkyJob {
+  RenderOptions options;
+  Scene scene;
+  RenderPlan plan;
+  fs::path exr;
 
-int render_picture(const Arguments &a, Session &session) {
-  if (const std::optional<int> done = render_room_scene(a, session)) return *done;
-  const auto begin = Clock::now();
-  const bool with_page = wants_report(a);
-  RenderOptions options = options_from(a);
-  const Scene scene = load_scene(a.positional()[0], a.all("--set"), a.positional_place(0));
-  const RenderPlan plan = plan_render(scene, options);
-  require_sun_in_sky(scene, options);
-  const fs::path exr = output_path(a, scene);
-  const std::shared_ptr<Device> device = session.device(a);
-  check_writable(exr);
+  explicit SkyJob(const Arguments &a)
+      : options(options_from(a)),
+        scene(load_scene(a.positional()[0], a.all("--set"), a.positional_place(0))),
+        plan(plan_render(scene, options)),
+        exr(output_path(a, scene)) {
+    (void)wants_report(a);  // a wrong word is told before the work
+    require_sun_in_sky(scene, options);
+  }
+};
 
-  const bool quiet = a.has("--quiet"), json = a.has("--json");
-  Progress progress(quiet ? Progress::Style::quiet : json ? Progress::Style::json : Progress::Style::text);
-  if (!quiet && !json) print_header(scene, plan, *device);
-  for (const std::string &note : scene.notes) std::cerr << "note: " << note << "\n";
-  options.progress = [&](const std::string &phase, double fraction, double noise) {
-    progress.show(phase, fraction, noise);
-  };
-  options.cache = &session.sights();
-  const Rendered rendered = render(scene, plan, options, device);
-  progress.end();
+bool talks(const Arguments &a) { return !a.has("--quiet") && !a.has("--json"); }
+
+Progress progress_of(const Arguments &a) {
+  return Progress(a.has("--quiet")  ? Progress::Style::quiet
+                  : a.has("--json") ? Progress::Style::json
+                                    : Progress::Style::text);
+}
+
+/// Picture, PNG and report, all or none. numbers: of the picture, by what its camera did and the seconds it took.
+/// device: for the page's own rays; null: no page.
+void write_sky(const Arguments &a, const SkyJob &job, const Rendered &rendered, const std::string &device_name,
+               const std::function<nlohmann::json(const CameraReport &, double)> &numbers,
+               const std::shared_ptr<Device> &device) {
+  AtomicFileSet files;
+  AtomicFile &picture = files.add(job.exr);
+  const ExrReport written =
+      write_exr(picture, rendered.image, attributes_of(job.scene, job.plan, job.options, device_name),
+                {job.scene.output.spectral});
+  if (written.not_finite_replaced > 0)
+    std::cerr << "warning: " << written.not_finite_replaced << " values were not finite and are written as 0\n";
+  const auto eye_begin = Clock::now();
+  AtomicFile &png = files.add(fs::path(job.exr).replace_extension(".png"));
+  const Observed observed = observe(job.scene.eye, job.scene.observer.fov_deg, job.plan.size[0], rendered.image, png);
+  nlohmann::json report = numbers(observed.camera, seconds_since(eye_begin));
+  if (!observed.eye.is_null()) {
+    report.erase("camera");
+    report["eye"] = observed.eye;
+  }
+  report["key"] = picture_key(a);
+  if (device) {
+    png.seal();
+    const auto report_begin = Clock::now();
+    const std::string page = sky_report({job.scene, job.plan, job.options, rendered, read_png(png.temporary()),
+                                         observed.eye.is_null() ? observed.camera.key_cd_m2 : 0, command_line(a)},
+                                        report, device);
+    report["seconds"]["report"] = seconds_since(report_begin);
+    files.add(fs::path(job.exr).replace_extension(".html")).write(page);
+  }
+  files.add(fs::path(job.exr).replace_extension(".json")).write(report.dump(1) + "\n");
+  if (stop_requested()) throw Interrupted();
+  files.commit();
+  if (a.has("--json")) std::cout << nlohmann::json{{"event", "done"}, {"report", report}}.dump() << "\n";
+}
+
+void warn_of(const Rendered &rendered, const Scene &scene) {
   if (rendered.report.sun_optical_depth.value_or(0) > 14)
     std::cerr << "warning: haze and air dim the Sun by exp(-" << *rendered.report.sun_optical_depth
               << "): it cannot be seen; raise atmosphere.aerosol visibility_km\n";
   if (rendered.report.table_bound_arcsec > 1.01 * scene.tracing.table_arcsec)
     std::cerr << "warning: a layer of this air is too thin for the index table: its error may reach "
               << rendered.report.table_bound_arcsec << " arcsec for rays that graze it\n";
+}
 
-  AtomicFileSet files;
-  AtomicFile &picture = files.add(exr);
-  const ExrReport written =
-      write_exr(picture, rendered.image, attributes_of(scene, plan, options, *device), {scene.output.spectral});
-  if (written.not_finite_replaced > 0)
-    std::cerr << "warning: " << written.not_finite_replaced << " values were not finite and are written as 0\n";
-  const auto eye_begin = Clock::now();
-  AtomicFile &png = files.add(fs::path(exr).replace_extension(".png"));
-  const Observed observed = observe(scene.eye, scene.observer.fov_deg, plan.size[0], rendered.image, png);
-  const double eye_seconds = seconds_since(eye_begin);
-  nlohmann::json report =
-      report_json(scene, plan, options, rendered.report, *device, observed.camera, {eye_seconds, seconds_since(begin)});
-  if (!observed.eye.is_null()) {
-    report.erase("camera");
-    report["eye"] = observed.eye;
-  }
-  report["key"] = picture_key(a);
-  if (with_page) {
-    png.seal();
-    const auto report_begin = Clock::now();
-    const std::string page = sky_report({scene, plan, options, rendered, read_png(png.temporary()),
-                                         observed.eye.is_null() ? observed.camera.key_cd_m2 : 0, command_line(a)},
-                                        report, device);
-    report["seconds"]["report"] = seconds_since(report_begin);
-    files.add(fs::path(exr).replace_extension(".html")).write(page);
-  }
-  files.add(fs::path(exr).replace_extension(".json")).write(report.dump(1) + "\n");
-  if (stop_requested()) throw Interrupted();
-  files.commit();
+SkyKeeping keeping_from(const Arguments &a, const SkyJob &job, const std::optional<PictureShare> &share) {
+  SkyKeeping k;
+  k.share = share;
+  k.file = share ? part_path(job.exr, *share) : fs::path(job.exr).replace_extension(".grck");
+  if (a.has("--resume") && a.has("--no-resume")) a.fail("--no-resume", "expected one of --resume and --no-resume");
+  k.resume = a.has("--resume")      ? SkyKeeping::Resume::always
+             : a.has("--no-resume") ? SkyKeeping::Resume::never
+                                    : SkyKeeping::Resume::when_it_fits;
+  if (const auto seconds = a.optional_number("--checkpoint", 0, 1e6, "seconds")) k.seconds = *seconds, k.not_before = 0;
+  k.command = words_without_share(a);
+  k.note = [](const std::string &words) { std::cerr << "note: " << words << "\n"; };
+  return k;
+}
 
-  if (json) std::cout << nlohmann::json{{"event", "done"}, {"report", report}}.dump() << "\n";
-  if (!quiet && !json) {
-    print_summary(rendered.report, plan, seconds_since(begin));
-    std::cout << "wrote    " << exr.string() << "  .png  .json" << (with_page ? "  .html\n" : "\n");
+/// On one device, on several by a thread each, or with the other processes of mpirun.
+Rendered render_by_all(const SkyJob &job, const std::vector<std::shared_ptr<Device>> &devices, Ranks &workers) {
+  RenderOptions options = job.options;
+  options.ranks = &workers;
+  if (workers.size() > 1 || devices.size() == 1) return render(job.scene, job.plan, options, devices.front());
+  Rendered made;
+  run_threads(static_cast<int>(devices.size()), [&](Ranks &ranks) {
+    RenderOptions own = job.options;
+    own.ranks = &ranks;
+    if (!ranks.first()) own.cache = nullptr, own.progress = nullptr;
+    Rendered part = render(job.scene, job.plan, own, devices[static_cast<std::size_t>(ranks.rank())]);
+    if (ranks.first()) made = std::move(part);
+  });
+  return made;
+}
+
+struct SkyRender {
+  std::optional<SkyJob> job;
+  std::optional<PictureShare> share;
+  std::vector<std::shared_ptr<Device>> devices;
+};
+
+/// Everything before the work, told by one worker if it is wrong.
+SkyRender prepare(const Arguments &a, Session &session, Ranks &workers) {
+  SkyRender r;
+  workers.together([&] {
+    r.job.emplace(a);
+    r.share = share_from(a);
+    r.devices = session.devices(a);
+    if (r.share && (r.job->plan.error_pct || r.job->plan.minutes))
+      a.fail("--shard", "expected a number of samples that each share knows: not an error or minutes, but --spp");
+    if (workers.size() > 1) {
+      if (r.share) a.fail("--shard", "expected one of --shard and mpirun");
+      r.devices = {r.devices[static_cast<std::size_t>(worker_on_this_machine()) % r.devices.size()]};
+    }
+    if (r.share) r.devices.resize(1);
+    if (workers.first()) check_writable(r.share ? part_path(r.job->exr, *r.share) : r.job->exr);
+  });
+  return r;
+}
+
+/// Rays that rows of other shares had of their own.
+void add_rays(const TraceStats &more, nlohmann::json &numbers) {
+  const auto add = [](nlohmann::json &to, std::uint64_t count) { to = to.get<std::uint64_t>() + count; };
+  add(numbers.at("rays_launched"), more.rays);
+  add(numbers.at("steps").at("accepted"), more.steps), add(numbers.at("steps").at("rejected"), more.rejected);
+  for (int i = 1; i < static_cast<int>(more.outcomes.size()); ++i)
+    add(numbers.at("outcomes").at(outcome_name(i)), more.outcomes[static_cast<std::size_t>(i)]);
+  nlohmann::json &drift = numbers.at("bouguer_drift");
+  drift = std::max(drift.get<double>(), more.bouguer_drift);
+}
+
+}  // namespace
+
+int render_picture(const Arguments &a, Session &session) {
+  if (const std::optional<int> done = render_room_scene(a, session)) return *done;
+  const auto begin = Clock::now();
+  Ranks &workers = all_workers();
+  SkyRender r = prepare(a, session, workers);
+  SkyJob &job = *r.job;
+  const Device &device = *r.devices.front();
+  const SkyKeeping keeping = keeping_from(a, job, r.share);
+  job.options.keeping = &keeping;
+  if (!workers.first()) {
+    (void)render_by_all(job, r.devices, workers);
+    return 0;
+  }
+  remove_stale_outputs(job.exr);
+  remove_stale_temporaries(keeping.file);
+  if (talks(a)) print_header(job.scene, job.plan, device);
+  for (const std::string &note : job.scene.notes) std::cerr << "note: " << note << "\n";
+  Progress progress = progress_of(a);
+  job.options.progress = [&](const std::string &phase, double fraction, double noise) {
+    progress.show(phase, fraction, noise);
+  };
+  job.options.cache = &session.sights();
+  const auto numbers_of = [&](const RenderReport &report, const CameraReport &camera, double eye_seconds) {
+    return report_json(job.scene, job.plan, job.options, report, device, camera, {eye_seconds, seconds_since(begin)});
+  };
+  job.options.part_report = [&](const RenderReport &report) { return numbers_of(report, {}, 0).dump(); };
+  const Rendered rendered = render_by_all(job, r.devices, workers);
+  progress.end();
+  warn_of(rendered, job.scene);
+  if (r.share) {
+    tell_share(a, *r.share, keeping.file, rendered.report.resumed_rows);
+    return 0;
+  }
+  const bool with_page = wants_report(a);
+  const bool kept = fs::exists(keeping.file);
+  try {
+    write_sky(
+        a, job, rendered, device.info().name,
+        [&](const CameraReport &camera, double eye) { return numbers_of(rendered.report, camera, eye); },
+        with_page ? r.devices.front() : nullptr);
+  } catch (const RunError &error) {
+    if (!kept) throw;
+    throw Error(ExitCode::stopped_early,
+                std::string(error.what()) + "; the checkpoint is kept in " + keeping.file.string());
+  }
+  if (kept) remove_checkpoint(keeping.file);
+  if (talks(a)) {
+    print_summary(rendered.report, job.plan, seconds_since(begin));
+    std::cout << "wrote    " << job.exr.string() << "  .png  .json" << (with_page ? "  .html\n" : "\n");
   }
   return 0;
+}
+
+void merge_sky_parts(const Arguments &a, const std::vector<fs::path> &parts, Session &session) {
+  const auto begin = Clock::now();
+  const SkyJob job(a);
+  check_writable(job.exr);
+  remove_stale_outputs(job.exr);
+  std::shared_ptr<Device> device;
+  try {
+    if (wants_report(a)) device = session.device(a);
+  } catch (const DeviceError &none) {
+    std::cerr << "note: without a page of its own, for there is no device: " << none.what() << "\n";
+  }
+  MergedSky merged = merge_sky(job.scene, job.plan, job.options, parts);
+  nlohmann::json numbers = nlohmann::json::parse(merged.report_json);
+  numbers["error"]["noise_rms"] = merged.noise_rms, numbers["samples_per_pixel"] = merged.spp;
+  add_rays(merged.more_rays, numbers);
+  numbers["seconds"]["workers"] = parts.size();
+  Rendered rendered{std::move(merged.image), {}};
+  const nlohmann::json &sun = numbers.at("sun").at("true_altitude_deg");
+  if (sun.is_number()) rendered.report.sun_true_altitude_deg = sun.get<double>();
+  rendered.report.trace.rays = numbers.at("rays_launched"),
+  rendered.report.trace.steps = numbers.at("steps").at("accepted");
+  rendered.report.trace.device_seconds = numbers.at("seconds").at("emit");
+  write_sky(
+      a, job, rendered, numbers.at("device").at("name"),
+      [&](const CameraReport &camera, double eye) {
+        numbers["camera"] = camera_json(camera);
+        numbers["seconds"]["eye"] = eye, numbers["seconds"]["total"] = seconds_since(begin);
+        return numbers;
+      },
+      device);
+  if (talks(a))
+    std::cout << "wrote    " << job.exr.string() << "  .png  .json" << (device ? "  .html" : "") << ", of "
+              << parts.size() << " shares\n";
 }
 
 bool wants_report(const Arguments &a) { return a.choice("--report", {"on", "off"}, "on") == "on"; }
@@ -278,9 +439,10 @@ std::vector<Flag> render_flags() {
           {"--photon-map", "", "N", "rooms: N photons of the map as dots, in OUT.photons.png and .exr"},
           {"--error", "", "PCT", "stop when the noise (rooms: noise and bias) is below this percentage"},
           {"--minutes", "", "M", "stop after this time"},
-          {"--resume", "", "", "rooms: go on from OUT.grck, or fail; the default when it is there and fits"},
-          {"--no-resume", "", "", "rooms: start anew whatever OUT.grck holds"},
-          {"--checkpoint", "", "S", "rooms: seconds between checkpoints (60)"},
+          {"--resume", "", "", "go on from OUT.grck, or fail; the default when it is there and fits"},
+          {"--no-resume", "", "", "start anew whatever OUT.grck holds"},
+          {"--checkpoint", "", "S", "seconds between checkpoints (60; of the sky none in the first 10 unless given)"},
+          {"--shard", "", "I/N", "make only share I of N, in OUT.I-of-N.grck; `greenray merge` puts them together"},
           {"--seed", "", "N", "of the sample places; the same seed gives the same bits"},
           {"--quick", "", "", "quarter size"},
           {"--size", "", "WxH", "size in pixels"},

@@ -10,8 +10,10 @@
 #include <sstream>
 
 #include "atmosphere/profile_file.hpp"
+#include "cli/mpi.hpp"
 #include "cli/observe.hpp"
 #include "cli/progress.hpp"
+#include "cli/share_words.hpp"
 #include "image/colour.hpp"
 #include "image/develop.hpp"
 #include "image/exr.hpp"
@@ -20,6 +22,7 @@
 #include "render/room_choices.hpp"
 #include "render/room_estimate.hpp"
 #include "render/room_report.hpp"
+#include "render/room_share.hpp"
 #include "report/room_page.hpp"
 #include "support/atomic_file.hpp"
 #include "support/embedded.hpp"
@@ -100,12 +103,12 @@ std::string stopping_words(const RoomOptions &options, const RoomPlan &plan) {
   return text.str();
 }
 
-ExrAttributes attributes_of(const RoomScene &scene, const RoomOptions &options, const Device &device) {
+ExrAttributes attributes_of(const RoomScene &scene, const RoomOptions &options, const nlohmann::json &device) {
   return {{"greenray.version", std::string(version())},
           {"greenray.scene", scene.text},
           {"greenray.scene_hash", room_hash(scene)},
           {"greenray.seed", std::to_string(options.seed)},
-          {"greenray.device", device.info().name},
+          {"greenray.device", device.at("name").get<std::string>()},
           {"greenray.straight", std::string(options.straight ? "yes" : "no")},
           {"greenray.exaggerate", scene.air ? scene.air->exaggerate : 1.0},
           {"greenray.fov_deg", scene.camera.fov_deg}};
@@ -158,7 +161,7 @@ Raster write_photon_map(const SpectralImage &map, const fs::path &exr, AtomicFil
 }
 
 /// Picture, PNG and report, all or none.
-void write_room(const Arguments &a, const RoomScene &scene, const RoomOptions &options, const Device &device,
+void write_room(const Arguments &a, const RoomScene &scene, const RoomOptions &options, const nlohmann::json &device,
                 RoomPicture &picture, const fs::path &exr, Clock::time_point begin, nlohmann::json &report) {
   const auto develop_begin = Clock::now();
   AtomicFileSet files;
@@ -196,46 +199,125 @@ std::optional<std::string> room_scene_hash(const Arguments &a) {
   return hash;
 }
 
-std::optional<int> render_room_scene(const Arguments &a, Session &session) {
-  const auto begin = Clock::now();
+namespace {
+
+/// A room to be rendered: what the words of a command line say.
+struct RoomJob {
+  RoomScene scene;
+  RoomOptions options;
+  fs::path exr;
+};
+
+std::optional<RoomJob> job_from(const Arguments &a) {
   const auto text = room_text(a.positional()[0], a.positional_place(0));
   if (!text) return std::nullopt;
-  const RoomScene scene = parse_room(text->first, text->second, a.all("--set"));
-  RoomOptions options = options_from(a, scene);
-  const bool with_page = wants_report(a);  // a wrong word is told before the work
-  fs::path exr = a.has("--output") ? fs::path(a.file("--output", ".exr")) : fs::path(scene.output.image);
-  if (exr.empty()) exr = fs::path("out") / (scene.name + ".exr");
-  const std::shared_ptr<Device> device = session.device(a);
-  { AtomicFile(exr).write("x"); }  // is there room and right to write there?
-  options.checkpoint = fs::path(exr).replace_extension(".grck");
-  for (const char *extension : {".exr", ".png", ".json", ".html", ".grck", ".photons.exr", ".photons.png"})
-    remove_stale_temporaries(fs::path(exr).replace_extension(extension));
-  const bool quiet = a.has("--quiet"), json = a.has("--json");
-  Progress progress(quiet ? Progress::Style::quiet : json ? Progress::Style::json : Progress::Style::text);
-  if (!quiet && !json) print_header(scene, options, *device);
+  RoomJob job{parse_room(text->first, text->second, a.all("--set")), {}, {}};
+  job.options = options_from(a, job.scene);
+  (void)wants_report(a);  // a wrong word is told before the work
+  job.exr = a.has("--output") ? fs::path(a.file("--output", ".exr")) : fs::path(job.scene.output.image);
+  if (job.exr.empty()) job.exr = fs::path("out") / (job.scene.name + ".exr");
+  job.options.note = [](const std::string &words) { std::cerr << "note: " << words << "\n"; };
+  return job;
+}
+
+Progress progress_of(const Arguments &a) {
+  return Progress(a.has("--quiet")  ? Progress::Style::quiet
+                  : a.has("--json") ? Progress::Style::json
+                                    : Progress::Style::text);
+}
+
+bool talks(const Arguments &a) { return !a.has("--quiet") && !a.has("--json"); }
+
+void write_and_tell(const Arguments &a, RoomJob &job, const nlohmann::json &device, RoomPicture &picture,
+                    Clock::time_point begin) {
+  nlohmann::json report;
+  write_room(a, job.scene, job.options, device, picture, job.exr, begin, report);
+  if (a.has("--json")) std::cout << nlohmann::json{{"event", "done"}, {"report", report}}.dump() << "\n";
+  if (!talks(a)) return;
+  print_summary(picture.report, seconds_since(begin));
+  std::cout << "wrote    " << job.exr.string() << "  .png  .json" << (wants_report(a) ? "  .html" : "")
+            << (picture.photon_map ? "  .photons.exr  .photons.png" : "") << "\n";
+}
+
+int render_share(const Arguments &a, RoomJob &job, const PictureShare &share, const std::shared_ptr<Device> &device) {
+  RoomOptions &options = job.options;
+  if (options.error_pct || options.minutes)
+    a.fail("--shard", "expected a number of passes that each share knows: not --error or --minutes, but --photons");
+  if (options.photon_map > 0 && share.index == 0) options.note("shares leave the picture of the photon map out");
+  options.photon_map = 0;
+  options.checkpoint = part_path(job.exr, share);
+  { AtomicFile(options.checkpoint).write("x"); }
+  remove_stale_temporaries(options.checkpoint);
+  Progress progress = progress_of(a);
   options.progress = [&](const std::string &phase, double fraction, double noise) {
     progress.show(phase, fraction, noise);
   };
-  options.note = [](const std::string &words) { std::cerr << "note: " << words << "\n"; };
-  RoomPicture picture = render_room(scene, options, device);
+  PartHead head;
+  head.command = words_without_share(a);
+  const RoomReport report = render_room_share(job.scene, options, device, share, head);
   progress.end();
+  tell_share(a, share, options.checkpoint, report.resumed_at);
+  return 0;
+}
 
-  nlohmann::json report;
+}  // namespace
+
+std::optional<int> render_room_scene(const Arguments &a, Session &session) {
+  const auto begin = Clock::now();
+  Ranks &workers = all_workers();
+  std::optional<RoomJob> job;
+  std::vector<std::shared_ptr<Device>> devices;
+  std::optional<PictureShare> share;
+  workers.together([&] {
+    job = job_from(a);
+    if (!job) return;
+    share = share_from(a);
+    devices = session.devices(a);
+    if (workers.size() > 1) {
+      if (share) a.fail("--shard", "expected one of --shard and mpirun");
+      devices = {devices[static_cast<std::size_t>(worker_on_this_machine()) % devices.size()]};
+    }
+    if (!workers.first() || share) return;
+    { AtomicFile(job->exr).write("x"); }  // is there room and right to write there?
+  });
+  if (!job) return std::nullopt;
+  RoomOptions &options = job->options;
+  if (talks(a) && workers.first()) print_header(job->scene, options, *devices.front());
+  if (share) return render_share(a, *job, *share, devices.front());
+  options.checkpoint = fs::path(job->exr).replace_extension(".grck");
+  Progress progress = progress_of(a);
+  options.progress = [&](const std::string &phase, double fraction, double noise) {
+    progress.show(phase, fraction, noise);
+  };
+  if (!workers.first()) {
+    (void)render_room(job->scene, options, devices.front(), workers);
+    return 0;
+  }
+  remove_stale_outputs(job->exr);
+  RoomPicture picture = workers.size() > 1 ? render_room(job->scene, options, devices.front(), workers)
+                                           : render_room(job->scene, options, devices);
+  progress.end();
   try {
-    write_room(a, scene, options, *device, picture, exr, begin, report);
+    write_and_tell(a, *job, device_json(*devices.front()), picture, begin);
   } catch (const RunError &error) {
     if (!fs::exists(options.checkpoint)) throw;
     throw Error(ExitCode::stopped_early,
                 std::string(error.what()) + "; the checkpoint is kept in " + options.checkpoint.string());
   }
   remove_checkpoint(options.checkpoint);
-  if (json) std::cout << nlohmann::json{{"event", "done"}, {"report", report}}.dump() << "\n";
-  if (!quiet && !json) {
-    print_summary(picture.report, seconds_since(begin));
-    std::cout << "wrote    " << exr.string() << "  .png  .json" << (with_page ? "  .html" : "")
-              << (picture.photon_map ? "  .photons.exr  .photons.png" : "") << "\n";
-  }
   return 0;
+}
+
+bool merge_room_parts(const Arguments &a, const std::vector<fs::path> &parts) {
+  const auto begin = Clock::now();
+  std::optional<RoomJob> job = job_from(a);
+  if (!job) return false;
+  { AtomicFile(job->exr).write("x"); }
+  remove_stale_outputs(job->exr);
+  job->options.photon_map = 0;
+  MergedRoom merged = merge_room(job->scene, job->options, parts);
+  write_and_tell(a, *job, nlohmann::json::parse(merged.device_json), merged.picture, begin);
+  return true;
 }
 
 void print_choices(const std::vector<PlanChoice> &choices) {

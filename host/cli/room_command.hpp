@@ -1,8 +1,9 @@
 // greenray render and check for scenes with a [camera].
 #pragma once
+#include <filesystem>
 #include <optional>
-
 #include <string>
+#include <vector>
 
 #include "cli/render_command.hpp"
 #include "render/renderer.hpp"
@@ -14,6 +15,10 @@ void print_choices(const std::vector<PlanChoice> &choices);
 
 /// Renders the scene if it has surfaces; nothing if it is a sky scene, or is not there. returns: exit code
 std::optional<int> render_room_scene(const Arguments &a, Session &session);
+
+/// Puts the parts of such a scene together; a: the words of `render` that the parts were made with, and the output.
+/// returns: false if it is no such scene
+bool merge_room_parts(const Arguments &a, const std::vector<std::filesystem::path> &parts);
 
 /// Of such a scene; nothing if it is a sky scene, or is not there.
 std::optional<std::string> room_scene_hash(const Arguments &a);

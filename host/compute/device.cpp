@@ -171,12 +171,21 @@ std::vector<DeviceInfo> list_devices() {
   return infos;
 }
 
+static std::string selection(const DeviceOptions &options) {
+  if (!options.select.empty()) return options.select;
+  const char *from_environment = std::getenv("GREENRAY_DEVICE");
+  return from_environment && *from_environment ? from_environment : "pocl";
+}
+
+bool asks_for_several(const DeviceOptions &options) {
+  const std::string select = selection(options);
+  return select == "all" || select.find(',') != std::string::npos;
+}
+
 std::vector<std::shared_ptr<Device>> open_devices(const DeviceOptions &options) {
   const std::vector<Found> all = find_all();
   if (all.empty()) throw DeviceError(install_hint);
-  std::string select = options.select;
-  const char *from_environment = std::getenv("GREENRAY_DEVICE");
-  if (select.empty()) select = from_environment && *from_environment ? from_environment : "pocl";
+  const std::string select = selection(options);
   std::vector<std::shared_ptr<Device>> opened;
   for (const Found &f : choose(all, select)) opened.push_back(open(f, options));
   if (opened.empty()) throw DeviceError(install_hint);

@@ -61,6 +61,9 @@ std::vector<DeviceInfo> list_devices();
 /// Throws DeviceError (exit 3) with an install hint when nothing fits; InputError is never thrown here.
 std::vector<std::shared_ptr<Device>> open_devices(const DeviceOptions &options);
 
+/// Is `select` (or GREENRAY_DEVICE, when it is empty) a list, or has it the word "all"?
+bool asks_for_several(const DeviceOptions &options);
+
 /// The first of open_devices.
 std::shared_ptr<Device> open_device(const DeviceOptions &options);
 

@@ -10,6 +10,21 @@
 #include "support/error.hpp"
 
 namespace greenray {
+
+void TraceStats::add(const TraceStats &o) {
+  for (std::size_t i = 0; i < outcomes.size(); ++i) outcomes[i] += o.outcomes[i];
+  rays += o.rays, steps += o.steps, rejected += o.rejected, device_seconds += o.device_seconds;
+  solver_error_rad = std::max(solver_error_rad, o.solver_error_rad);
+  bouguer_drift = std::max(bouguer_drift, o.bouguer_drift);
+}
+
+TraceStats TraceStats::since(const TraceStats &then) const {
+  TraceStats more = *this;
+  for (std::size_t i = 0; i < outcomes.size(); ++i) more.outcomes[i] -= then.outcomes[i];
+  more.rays -= then.rays, more.steps -= then.steps, more.rejected -= then.rejected;
+  more.device_seconds -= then.device_seconds;
+  return more;
+}
 namespace {
 
 constexpr std::size_t probe_rays = 4096;  // enough to tell a buffer from an image

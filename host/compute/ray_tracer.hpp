@@ -39,6 +39,9 @@ struct TraceStats {
   double device_seconds = 0;
   double solver_error_rad = 0;  // largest estimate of one ray that left or landed
   double bouguer_drift = 0;     // largest
+  void add(const TraceStats &other);
+  /// Of the rays traced since then; the largest ones are of all.
+  TraceStats since(const TraceStats &then) const;
 };
 
 class RayTracer {

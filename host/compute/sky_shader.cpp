@@ -7,6 +7,7 @@
 #include "compute/buffer.hpp"
 #include "compute/device_answers.hpp"
 #include "compute/program.hpp"
+#include "support/error.hpp"
 
 namespace greenray {
 namespace {
@@ -183,6 +184,14 @@ void SkyShader::add_samples(int first_sample, int samples, const std::function<v
   view.first_sample = first_sample;
   view.samples = samples;
   state_->launch(view, between);
+}
+
+void SkyShader::set_sums(const SkySums &sums) {
+  if (sums.spectra.size() != state_->pixels() * static_cast<std::size_t>(state_->waves) ||
+      sums.moments.size() != 2 * state_->pixels())
+    throw RunError("the checkpoint is of another picture");
+  state_->spectra.write(sums.spectra.data(), sums.spectra.size());
+  state_->moments.write(sums.moments.data(), sums.moments.size());
 }
 
 void SkyShader::with_sums(const std::function<void(const SkySums &)> &use) const {

@@ -96,6 +96,8 @@ class SkyShader {
   /// Adds samples first_sample .. first_sample + samples - 1 to every pixel of the band. between: called between the
   /// launches of a large band; may throw to stop.
   void add_samples(int first_sample, int samples, const std::function<void()> &between = {});
+  /// Puts the sums of samples that were taken before into the band.
+  void set_sums(const SkySums &sums);
   /// Shows the band's sums to `use`, in place where the device shares the host's memory.
   void with_sums(const std::function<void(const SkySums &)> &use) const;
   /// Bytes that a band of this many rows needs on the device.

@@ -21,6 +21,10 @@ double pass_radius_ratio(int pass, double alpha) {
   return std::sqrt(area);
 }
 
+const std::array<std::vector<double> PixelStatistics::*, 6> PixelStatistics::parts{
+    &PixelStatistics::radiance_, &PixelStatistics::sum_,      &PixelStatistics::squares_,
+    &PixelStatistics::narrower_, &PixelStatistics::variance_, &PixelStatistics::differences_};
+
 PixelStatistics::PixelStatistics(std::size_t pixels, std::size_t waves)
     : pixels_(pixels),
       waves_(waves),
@@ -49,6 +53,35 @@ void PixelStatistics::add(const PassPixels &pass) {
     differences_[p] += difference * difference;
   }
   ++passes_;
+}
+
+void PixelStatistics::add(const PixelStatistics &later) {
+  if (later.pixels_ != pixels_ || later.waves_ != waves_) throw RunError("passes of another size than the picture");
+  for (std::vector<double> PixelStatistics::*part : parts)
+    for (std::size_t i = 0; i < (this->*part).size(); ++i) (this->*part)[i] += (later.*part)[i];
+  passes_ += later.passes_;
+}
+
+void PixelStatistics::place(const PixelStatistics &part, std::size_t first) {
+  if (first + part.pixels_ > pixels_ || part.waves_ != waves_)
+    throw RunError("passes of another size than the picture");
+  for (std::vector<double> PixelStatistics::*sums : parts) {
+    const std::size_t each = sums == &PixelStatistics::radiance_ ? waves_ : 1;
+    std::copy((part.*sums).begin(), (part.*sums).end(),
+              (this->*sums).begin() + static_cast<std::ptrdiff_t>(first * each));
+  }
+  passes_ = part.passes_;
+}
+
+PixelStatistics PixelStatistics::part(std::size_t first, std::size_t last) const {
+  PixelStatistics out(last - first, waves_);
+  for (std::vector<double> PixelStatistics::*sums : parts) {
+    const std::size_t each = sums == &PixelStatistics::radiance_ ? waves_ : 1;
+    (out.*sums).assign((this->*sums).begin() + static_cast<std::ptrdiff_t>(first * each),
+                       (this->*sums).begin() + static_cast<std::ptrdiff_t>(last * each));
+  }
+  out.passes_ = passes_;
+  return out;
 }
 
 std::vector<float> PixelStatistics::mean() const {
@@ -116,19 +149,20 @@ PixelStatistics::Totals PixelStatistics::totals(std::span<const unsigned char> c
 
 std::vector<double> PixelStatistics::state() const {
   std::vector<double> state{static_cast<double>(passes_)};
-  for (const std::vector<double> *part : {&radiance_, &sum_, &squares_, &narrower_, &variance_, &differences_})
-    state.insert(state.end(), part->begin(), part->end());
+  state.reserve(state_size());
+  for (std::vector<double> PixelStatistics::*part : parts)
+    state.insert(state.end(), (this->*part).begin(), (this->*part).end());
   return state;
 }
 
 void PixelStatistics::restore(std::span<const double> state) {
-  if (state.size() != 1 + radiance_.size() + 5 * pixels_ || !(state[0] >= 0) || state[0] > 1e9)
+  if (state.size() != state_size() || !(state[0] >= 0) || state[0] > 1e9)
     throw RunError("the checkpoint is of another picture");
   passes_ = static_cast<int>(state[0]);
   auto from = state.begin() + 1;
-  for (std::vector<double> *part : {&radiance_, &sum_, &squares_, &narrower_, &variance_, &differences_}) {
-    std::copy_n(from, part->size(), part->begin());
-    from += static_cast<std::ptrdiff_t>(part->size());
+  for (std::vector<double> PixelStatistics::*part : parts) {
+    std::copy_n(from, (this->*part).size(), (this->*part).begin());
+    from += static_cast<std::ptrdiff_t>((this->*part).size());
   }
 }
 

@@ -1,5 +1,6 @@
 // Pixels over independent passes: mean, noise and bias, and a state that can be kept and taken up again.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -22,8 +23,16 @@ class PixelStatistics {
  public:
   PixelStatistics(std::size_t pixels, std::size_t waves);
   void add(const PassPixels &pass);
+  /// Sums of later passes over the same pixels.
+  void add(const PixelStatistics &later);
+  /// Puts those of `part` in the place of pixels first, first + 1 ...; the passes too.
+  void place(const PixelStatistics &part, std::size_t first);
+  /// Of pixels first .. last - 1.
+  PixelStatistics part(std::size_t first, std::size_t last) const;
 
   int passes() const { return passes_; }
+  std::size_t pixels() const { return pixels_; }
+  std::size_t waves() const { return waves_; }
   std::vector<float> mean() const;  // [pixels][waves]
   /// Standard error of the mean, of the sum over the waves: from pass to pass where there are enough of them (4), else
   /// from the variances within the passes.
@@ -56,6 +65,7 @@ class PixelStatistics {
 
   /// All there is, for a checkpoint: passes, then the sums.
   std::vector<double> state() const;
+  std::size_t state_size() const { return 1 + radiance_.size() + 5 * pixels_; }
   /// Throws RunError when it is not the state of a picture of this size.
   void restore(std::span<const double> state);
 
@@ -66,6 +76,7 @@ class PixelStatistics {
   std::vector<double> radiance_;  // [pixels][waves], sums
   // [pixels], of the sum over waves; differences: of kernels of the whole and of half the area, squared
   std::vector<double> sum_, squares_, narrower_, variance_, differences_;
+  static const std::array<std::vector<double> PixelStatistics::*, 6> parts;  // in the order of the state
 };
 
 }  // namespace greenray

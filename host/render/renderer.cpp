@@ -8,6 +8,8 @@
 #include "render/sky.hpp"
 #include "render/sky_own_rays.hpp"
 #include "render/sky_picture.hpp"
+#include "render/sky_rows_run.hpp"
+#include "render/sky_run.hpp"
 #include "render/sky_sight.hpp"
 #include "render/sun_place.hpp"
 #include "render/targets.hpp"
@@ -33,11 +35,13 @@ class Renderer {
   Rendered run() {
     bool reused = false;
     const double compiled_before = options_.cache && options_.cache->sight ? device_->compile_seconds() : 0;
-    sight_ = sky_sight(scene_, plan_, options_, device_, options_.cache, reused,
-                       [this](const std::string &phase) { progress(phase, 0); });
-    report_ = sight_->report();
-    if (reused) report_.build_seconds = report_.emit_seconds = 0;
-    light();
+    ranks().together([&] {
+      sight_ = sky_sight(scene_, plan_, options_, device_, options_.cache, reused,
+                         [this](const std::string &phase) { progress(phase, 0); });
+      report_ = sight_->report();
+      if (reused) report_.build_seconds = report_.emit_seconds = 0;
+      light();
+    });
     shade();
     report_.compile_seconds = device_->compile_seconds() - compiled_before;
     return {std::move(image_), report_};
@@ -126,10 +130,14 @@ class Renderer {
     SkyPicture picture(plan_);
     if (plan_.per_pixel) shade_per_pixel(shapes, picture);
     else shade_from_table(sky, targets, terrain, picture);
+    if (!ranks().first()) return;
     picture.describe(view(), sight_->transfer());
     if (!targets.targets.empty()) picture.describe_targets(view(), targets, sight_->stations());
     if (terrain.any()) picture.describe_terrain(view(), terrain);
     report_.noise_rms = picture.noise_rms();
+    report_.spp = picture.most_samples();
+    if (options_.keeping && options_.keeping->share && !run_->is_complete())
+      run_->complete(options_.part_report ? options_.part_report(report_) : "{}");
     image_ = picture.take();
     report_.gather_seconds = seconds_since(begin) - (device_->compile_seconds() - compiled_before);
   }
@@ -142,11 +150,16 @@ class Renderer {
   }
 
   void shade_per_pixel(const TargetShapes &shapes, SkyPicture &picture) {
-    report_.spp = plan_.spp;
     const OwnRayTargets targets{scene_, shapes, plan_.station_m.empty() ? nullptr : &sight_->places()};
-    shade_with_own_rays(sight_->rays(), light_, targets, view(), plan_, picture,
-                        [&](double done) { progress("picture", done); });
-    report_.trace = sight_->rays().stats();
+    const TraceStats before = sight_->rays().stats();
+    shade_rows(picture, 1, 0, [&](int first, int last, SkyRun &run) {
+      const TraceStats before_these = sight_->rays().stats();
+      shade_with_own_rays(sight_->rays(), light_, targets, view(), plan_, {first, last}, picture);
+      run.add_rays(sight_->rays().stats().since(before_these));
+      progress("picture", static_cast<double>(last) / picture.height());
+    });
+    report_.trace = before;
+    report_.trace.add(run_->rays());
     report_.lookup_arcsec = report_.bias = 0;
   }
 
@@ -154,13 +167,24 @@ class Renderer {
                         SkyPicture &picture) {
     const int rows = rows_of_band(sky, targets.bytes() + terrain.bytes(), picture);
     SkyShader shader(device_, sky, targets, terrain, picture.width(), rows);
-    f32::SkyView v = view();
-    for (int first = 0; first < picture.height(); first += rows) {
+    shade_rows(picture, rows, adaptive() ? rows : 0, [&](int first, int last, SkyRun &run) {
+      f32::SkyView v = view();
       v.first_row = plan_.crop[1] + first;
-      v.rows = std::min(rows, picture.height() - first);
-      shade_band(shader, v, picture);
-    }
+      v.rows = last - first;
+      shade_band(shader, v, picture, run);
+    });
   }
+
+  void shade_rows(SkyPicture &picture, int rows_a_band, int rows_that_stop,
+                  const std::function<void(int, int, SkyRun &)> &shade) {
+    const std::string lanes = std::to_string(device_->lanes().lanes_float);
+    run_.emplace(ranks().first() ? options_.keeping : nullptr, sky_identity(scene_, plan_, options_, lanes),
+                 rows_that_stop, picture);
+    report_.resumed_rows = run_->resumed_rows(), report_.workers = adaptive() ? 1 : ranks().size();
+    run_rows(ranks(), adaptive(), *run_, picture, rows_a_band, shade);
+  }
+
+  Ranks &ranks() { return options_.ranks ? *options_.ranks : alone_; }
 
   bool adaptive() const { return plan_.error_pct || plan_.minutes; }
 
@@ -176,26 +200,41 @@ class Renderer {
   }
 
   /// Passes of a few samples until enough, good enough or late enough; each band decides for itself.
-  void shade_band(SkyShader &shader, const f32::SkyView &v, SkyPicture &picture) {
+  void shade_band(SkyShader &shader, const f32::SkyView &v, SkyPicture &picture, SkyRun &run) {
     shader.begin(v);
     const int first_row = v.first_row - plan_.crop[1], wanted = plan_.spp;
     const double before = static_cast<double>(first_row) / picture.height();
     const double share = static_cast<double>(v.rows) / picture.height();
     const auto begin = Clock::now();
     int samples = 0;
-    double noise = 0;
-    while (samples < wanted) {
+    double noise = 0, seconds_before = 0;
+    if (const std::optional<SkyBand> begun = run.begun(first_row, v.rows)) {
+      shader.set_sums({begun->spectra, begun->moments});
+      samples = begun->samples, seconds_before = begun->seconds;
+    }
+    const auto seconds = [&] { return seconds_before + seconds_since(begin); };
+    const auto is_enough = [&] {
+      if (!adaptive() || samples == 0) return false;
+      shader.with_sums([&](const SkySums &sums) { noise = relative_noise(sums, samples); });
+      if (plan_.error_pct && noise * 100 <= *plan_.error_pct) return true;
+      return plan_.minutes && seconds() >= *plan_.minutes * 60 * share;
+    };
+    while (samples < wanted && !is_enough()) {
       const int pass = std::min(adaptive() ? std::max(4, samples / 2) : 8, wanted - samples);
+      run.in_band({});
       shader.add_samples(samples, pass, stop_if_asked);
       samples += pass;
-      if (adaptive()) {
-        shader.with_sums([&](const SkySums &sums) { noise = relative_noise(sums, samples); });
-        if (plan_.error_pct && noise * 100 <= *plan_.error_pct) break;
-        if (plan_.minutes && seconds_since(begin) >= *plan_.minutes * 60 * share) break;
-      }
+      run.in_band([&, samples] {
+        SkyBand band{first_row, v.rows, samples, seconds(), {}, {}};
+        shader.with_sums([&](const SkySums &sums) {
+          band.spectra.assign(sums.spectra.begin(), sums.spectra.end());
+          band.moments.assign(sums.moments.begin(), sums.moments.end());
+        });
+        return band;
+      });
       progress("picture", before + share * samples / wanted, noise);
     }
-    report_.spp = std::max(report_.spp, samples);
+    run.in_band({});
     shader.with_sums([&](const SkySums &sums) { picture.keep(sums, first_row, v.rows, samples); });
   }
 
@@ -230,6 +269,8 @@ class Renderer {
   SkyLight light_;
   SpectralImage image_;
   RenderReport report_;
+  OneRank alone_;
+  std::optional<SkyRun> run_;
 };
 
 }  // namespace

@@ -14,6 +14,9 @@
 namespace greenray {
 
 struct SkySightCache;
+struct SkyKeeping;
+struct RenderReport;
+class Ranks;
 
 struct RenderOptions {
   std::uint64_t seed = 1;
@@ -25,7 +28,10 @@ struct RenderOptions {
   std::optional<int> spp;  // these three override tracing.quality; the first one reached stops
   std::optional<double> error_pct, minutes;
   std::function<void(const std::string &phase, double fraction, double noise)> progress;
-  SkySightCache *cache = nullptr;  // rays of sight of the picture before, for this one if it has the same
+  SkySightCache *cache = nullptr;       // rays of sight of the picture before, for this one if it has the same
+  const SkyKeeping *keeping = nullptr;  // where rows that are done are kept (render/sky_run.hpp)
+  std::function<std::string(const RenderReport &)> part_report;  // JSON for the part of a share
+  Ranks *ranks = nullptr;  // workers that make it together; all but rank 0 get an empty picture
 };
 
 /// One decision of the planner: what was chosen, why, and what the choice costs in accuracy.
@@ -79,6 +85,7 @@ struct RenderReport {
   std::optional<double> sun_true_altitude_deg, sun_apparent_altitude_deg;  // of its centre, at 550 nm
   std::optional<double> horizon_altitude_deg;                              // apparent, at 550 nm
   double compile_seconds = 0, build_seconds = 0, emit_seconds = 0, gather_seconds = 0;
+  int workers = 1, resumed_rows = 0;
 };
 
 struct Rendered {

@@ -33,6 +33,13 @@ nlohmann::json device_json(const Device &device) {
           {"budget_bytes", device.budget_bytes()}};
 }
 
+nlohmann::json camera_json(const CameraReport &camera) {
+  return {{"key_cd_m2", camera.key_cd_m2},
+          {"exposure_ev", camera.exposure_ev},
+          {"gamut_moved", camera.gamut_moved},
+          {"replaced", camera.replaced}};
+}
+
 nlohmann::json choices_json(const std::vector<PlanChoice> &choices) {
   Json all = Json::array();
   for (const PlanChoice &c : choices)
@@ -99,13 +106,10 @@ nlohmann::json report_json(const Scene &scene, const RenderPlan &plan, const Ren
             {"ground_arcsec", optional(report.ground_arcsec)},
             {"noise_rms", report.noise_rms},
             {"bias", report.bias}}},
-          {"camera",
-           {{"key_cd_m2", camera.key_cd_m2},
-            {"exposure_ev", camera.exposure_ev},
-            {"gamut_moved", camera.gamut_moved},
-            {"replaced", camera.replaced}}},
+          {"camera", camera_json(camera)},
           {"seconds",
-           {{"compile", report.compile_seconds},
+           {{"workers", report.workers},
+            {"compile", report.compile_seconds},
             {"build", report.build_seconds},
             {"emit", report.emit_seconds},
             {"map", 0.0},

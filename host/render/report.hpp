@@ -18,6 +18,7 @@ nlohmann::json plan_json(const RenderPlan &plan);
 nlohmann::json report_json(const Scene &scene, const RenderPlan &plan, const RenderOptions &options,
                            const RenderReport &report, const Device &device, const CameraReport &camera,
                            const OutputSeconds &seconds);
+nlohmann::json camera_json(const CameraReport &camera);
 nlohmann::json device_json(const Device &device);
 
 }  // namespace greenray

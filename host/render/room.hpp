@@ -13,6 +13,8 @@
 
 namespace greenray {
 
+class Ranks;
+
 struct RoomOptions {
   std::uint32_t seed = 1;
   bool straight = false;  // no bending, for comparison
@@ -47,6 +49,7 @@ struct RoomReport {
   double error_rms = 0;                     // both together
   double error_of_rms = 0;                  // the same over the RMS of the picture
   int passes = 0, spp = 0, resumed_at = 0;  // resumed_at: passes taken from a checkpoint
+  int workers = 1;                          // that made it together
   std::int64_t photons_a_pass = 0;
   std::size_t aimed_cells = 0;  // of the lights' emission, that caustic photons are aimed at; 0: they are not
   std::size_t lamp_pixels = 0, edge_pixels = 0;  // with more samples: at the edges of lamps, of light and dark
@@ -69,5 +72,11 @@ AirTable room_air(const RoomScene &scene, const std::vector<double> &wavelength_
 /// errors: InputError (textures, media that need too many cells, a checkpoint of another picture), MemoryError,
 /// Interrupted
 RoomPicture render_room(const RoomScene &scene, const RoomOptions &options, const std::shared_ptr<Device> &device);
+/// With other workers that call it with the same scene and options: at rank 0 the picture, elsewhere an empty one.
+RoomPicture render_room(const RoomScene &scene, const RoomOptions &options, const std::shared_ptr<Device> &device,
+                        Ranks &ranks);
+/// On several devices at once, a thread each.
+RoomPicture render_room(const RoomScene &scene, const RoomOptions &options,
+                        const std::vector<std::shared_ptr<Device>> &devices);
 
 }  // namespace greenray

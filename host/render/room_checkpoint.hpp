@@ -1,40 +1,28 @@
 // A room's picture between two passes, kept in a file, so that a run can be taken up again with the same bits.
 #pragma once
 #include <filesystem>
-#include <map>
 #include <optional>
-#include <string>
-#include <vector>
 
-#include "render/room_plan.hpp"
+#include "render/picture_part.hpp"
+#include "render/room_maker.hpp"
+#include "render/room_tally.hpp"
 
 namespace greenray {
 
-/// All that later passes and the picture depend on. Which passes are behind is part of `statistics`.
+/// All that later passes and the picture depend on.
 struct RoomState {
   int passes = 0;
-  std::int64_t photons_a_pass = 0;
-  PhotonTotals photons;
-  std::vector<double> statistics;  // PixelStatistics::state()
-  std::vector<float> radii;        // PhotonMapper::radii()
-  std::vector<float> sums;         // of depth, bend and photon count: [3][pixels]
-  std::vector<int> lamp_pixels, edge_pixels;
+  RoomBeginning beginning;
+  BlockedTally tally{0, 1, 1};
   double seconds = 0;  // of all sessions
 };
 
-/// What makes this picture's passes: the scene's keys, the options and the program.
-struct RoomIdentity {
-  std::string scene_hash;
-  std::map<std::string, std::string> values;  // of the scene
-  std::map<std::string, std::string> options;
-};
-RoomIdentity room_identity(const RoomScene &scene, const RoomOptions &options, const RoomPlan &plan);
-
-/// "photons.gather was 150, is 100": what of `then` is not so now and changes the picture; empty: the checkpoint fits.
-std::vector<std::string> changed_keys(const RoomIdentity &then, const RoomIdentity &now);
+/// lanes: Device::lanes of each worker, "8" or "8,1": sums over lanes have an order of their own
+PictureIdentity room_identity(const RoomScene &scene, const RoomOptions &options, const RoomPlan &plan,
+                              const std::string &lanes);
 
 struct RoomCheckpoint {
-  RoomIdentity identity;
+  PictureIdentity identity;
   RoomState state;
 };
 

@@ -111,6 +111,7 @@ void RoomEye::find_radii(RoomTracer &tracer, PhotonMapper &mapper) {
 }
 
 RoomPass RoomEye::see(int pass, RoomTracer &tracer, PhotonMapper &mapper) {
+  catch_up(pass, tracer);
   RoomPass out;
   out.radiance.assign(plan_.pixels() * waves_, 0.0f);
   for (std::vector<float> *values : {&out.narrower, &out.variance, &out.depth_m, &out.bend_mrad, &out.photon_count})
@@ -122,11 +123,12 @@ RoomPass RoomEye::see(int pass, RoomTracer &tracer, PhotonMapper &mapper) {
   }
   // What the pass's own few samples show decides, the same for every crop. Later finds count from the next pass on, so
   // that nothing is chosen by its own outcome.
-  std::vector<int> found = lamp_edges();
-  if (pass == 0) lamp_pixels_.swap(found), edge_pixels_ = light_edges(out);
+  std::vector<int> found;
+  if (pass < lamp_passes) found = lamp_edges();
+  if (pass == 0) set_lamp_pixels(found, 1), edge_pixels_ = light_edges(out);
   resample_edges(pass, tracer, mapper, out);
   resample_lamps(pass, tracer, out);
-  if (pass > 0) add_lamp_pixels(found);
+  add_lamp_pixels(found, pass + 1);
   return out;
 }
 

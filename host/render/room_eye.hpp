@@ -38,13 +38,20 @@ class RoomEye {
   /// of their own.
   RoomPass see(int pass, RoomTracer &tracer, PhotonMapper &mapper);
 
+  /// Looks for the edges of lamps as passes before `pass` do, where they were not made here: their paths alone, without
+  /// photons. So any pass can be made by itself.
+  void catch_up(int pass, RoomTracer &tracer);
   const std::vector<int> &lamp_pixels() const { return lamp_pixels_; }  // of the region
-  void set_lamp_pixels(std::vector<int> pixels) { lamp_pixels_ = std::move(pixels); }
+  /// passes: whose finds these are, all together
+  void set_lamp_pixels(std::vector<int> pixels, int passes) { lamp_pixels_ = std::move(pixels), lamps_of_ = passes; }
+  /// More, found elsewhere; then those of so many passes are known.
+  void add_lamp_pixels(const std::vector<int> &found, int passes);
   const std::vector<int> &edge_pixels() const { return edge_pixels_; }  // of the region
   void set_edge_pixels(std::vector<int> pixels) { edge_pixels_ = std::move(pixels); }
   double gather_seconds() const { return gather_seconds_; }
 
   static constexpr int lamp_samples = 64, edge_samples = 8;
+  static constexpr int lamp_passes = 16;  // whose finds count; what shows no sooner is a small part of its pixel
 
  private:
   using Box = std::array<int, 4>;  // x0, y0, x1, y1, the last two excluded
@@ -56,7 +63,6 @@ class RoomEye {
   void add_sample(const EyeBand &band, const PassIrradiance &light, std::size_t sample, std::size_t pixel, float share,
                   RoomPass &out);
   std::vector<int> lamp_edges() const;
-  void add_lamp_pixels(const std::vector<int> &found);
   std::vector<int> light_edges(const RoomPass &pass) const;
   std::vector<std::size_t> around(std::span<const int> pixels) const;
   void resample_edges(int pass, RoomTracer &tracer, PhotonMapper &mapper, RoomPass &out);
@@ -72,6 +78,7 @@ class RoomEye {
   std::optional<EyeBand> first_band_;  // of pass 0, where one band is the whole picture
   std::vector<float> lamps_;           // [pixels][waves], light of lamps in the current pass
   std::vector<int> lamp_pixels_, edge_pixels_;
+  int lamps_of_ = 0;                                                 // passes
   static constexpr std::size_t most_samples = std::size_t{1} << 18;  // on the device at once
   double gather_seconds_ = 0;
 };

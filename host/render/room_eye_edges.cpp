@@ -49,10 +49,26 @@ std::vector<int> RoomEye::lamp_edges() const {
   return found;
 }
 
-void RoomEye::add_lamp_pixels(const std::vector<int> &found) {
+void RoomEye::add_lamp_pixels(const std::vector<int> &found, int passes) {
   std::vector<int> all;
   std::set_union(found.begin(), found.end(), lamp_pixels_.begin(), lamp_pixels_.end(), std::back_inserter(all));
-  lamp_pixels_ = std::move(all);
+  set_lamp_pixels(std::move(all), std::max(lamps_of_, passes));
+}
+
+void RoomEye::catch_up(int pass, RoomTracer &tracer) {
+  for (int earlier = lamps_of_; earlier < std::min(pass, lamp_passes); ++earlier) {
+    lamps_.assign(plan_.pixels() * waves_, 0.0f);
+    std::size_t i = 0;  // samples before this band's
+    for (const Box &box : bands_of(plan_.region)) {
+      const EyeBand band = see_band(box, earlier, tracer);
+      const auto samples = static_cast<std::size_t>(plan_.samples);
+      const float share = 1 / static_cast<float>(samples);
+      for (std::size_t k = 0; k < band.samples.size(); ++k, ++i)
+        for (std::size_t w = 0; w < waves_; ++w)
+          lamps_[i / samples * waves_ + w] += share * band.radiance[k * waves_ + w];
+    }
+    add_lamp_pixels(lamp_edges(), earlier + 1);
+  }
 }
 
 std::vector<int> RoomEye::light_edges(const RoomPass &pass) const {

@@ -127,6 +127,12 @@ bool RoomPhotons::fits(const RoomPlan &plan, std::size_t other_bytes) const {
          records[1] < (std::size_t{1} << 30) && bytes + device_->used_bytes() <= device_->budget_bytes() / 20 * 19;
 }
 
+void RoomPhotons::fit_as(const RoomPlan &plan, const std::array<int, 2> &slots) {
+  find_aim(plan);
+  slots_ = slots;
+  make_mapper(plan);
+}
+
 void RoomPhotons::fit(RoomPlan &plan, std::size_t other_bytes, bool fixed) {
   find_aim(plan);
   for (;;) {
@@ -189,6 +195,10 @@ std::size_t RoomPhotons::store_caustics(const RoomPlan &plan, int pass) {
 }
 
 void RoomPhotons::trace(const RoomPlan &plan, int pass) {
+  // Every pass begins alike, so that it does not matter which were traced before it.
+  chunk_ = first_chunk;
+  const std::array<int, 2> first_slots = slots_;
+  totals_ = {};
   for (;;) {
     PhotonBatch batch = batch_of(plan, pass);
     share_out(batch, false);
@@ -199,6 +209,7 @@ void RoomPhotons::trace(const RoomPlan &plan, int pass) {
       const std::size_t records = batch.chunks() * static_cast<std::size_t>(slots_[0]);
       map_seconds_ += mapper_->file(
           pass, records, aim_ ? store_caustics(plan, pass) : batch.chunks() * static_cast<std::size_t>(slots_[1]));
+      if (pass > 0) slots_ = first_slots;
       return;
     }
     if (pass == 0) {

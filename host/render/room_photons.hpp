@@ -16,13 +16,17 @@ class RoomPhotons {
   ~RoomPhotons();
 
   /// Makes the maps; passes are made smaller until they fit the device's budget beside `other_bytes`, unless `fixed`.
-  void fit(RoomPlan &plan, std::size_t other_bytes, bool fixed);
-  /// Traces a pass and files it. Nothing is counted or changed when it is interrupted.
+  void fit(RoomPlan &plan, std::size_t other_bytes, bool fixed = false);
+  /// Makes the maps of a plan that is made already, with room as its first pass needed it.
+  void fit_as(const RoomPlan &plan, const std::array<int, 2> &slots);
+  /// Traces a pass and files it.
   void trace(const RoomPlan &plan, int pass);
 
   PhotonMapper &mapper() { return *mapper_; }
+  /// Of the pass that was traced last.
   const PhotonTotals &totals() const { return totals_; }
-  void set_totals(const PhotonTotals &totals) { totals_ = totals; }
+  /// Room for the records of a chunk, as the first pass needed it.
+  const std::array<int, 2> &slots() const { return slots_; }
   double map_seconds() const { return map_seconds_; }
   double cover_seconds() const { return cover_seconds_; }
   /// Cells of the lights' emission that caustic photons are aimed at; 0: they are not.

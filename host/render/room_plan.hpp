@@ -32,6 +32,10 @@ struct RoomPlan {
   int height() const { return region[3] - region[1]; }
   std::size_t pixels() const { return static_cast<std::size_t>(width()) * static_cast<std::size_t>(height()); }
   std::uint32_t photons_of(int pass) const;
+  /// Passes whose sums are made by themselves (BlockedTally): one, of more than most_blocks passes more.
+  int block_passes() const { return open ? 1 : (passes + most_blocks - 1) / most_blocks; }
+  int blocks() const { return (passes + block_passes() - 1) / block_passes(); }
+  static constexpr int most_blocks = 256;
 };
 
 /* Four passes, one where there are fewer than 40000 photons; more where a pass would have more than

@@ -78,7 +78,7 @@ Json room_plan_json(const RoomScene &scene, const RoomOptions &options) {
           {"left_out", left_out}};
 }
 
-Json room_report_json(const RoomScene &scene, const RoomOptions &options, const RoomReport &r, const Device &device,
+Json room_report_json(const RoomScene &scene, const RoomOptions &options, const RoomReport &r, const Json &device,
                       double develop_seconds, double total_seconds) {
   const PhotonTotals &p = r.photons;
   const double passes = std::max(r.passes, 1);
@@ -91,7 +91,7 @@ Json room_report_json(const RoomScene &scene, const RoomOptions &options, const 
       {"straight", options.straight},
       {"sun", sun_json(scene)},
       {"exaggerate", scene.air ? scene.air->exaggerate : 1.0},
-      {"device", device_json(device)},
+      {"device", device},
       {"plan", room_plan_json(scene, options)},
       {"rays_launched", p.photons},
       {"outcomes",
@@ -128,7 +128,8 @@ Json room_report_json(const RoomScene &scene, const RoomOptions &options, const 
         {"total_rms", r.error_rms},
         {"total_of_rms", r.error_of_rms}}},
       {"seconds",
-       {{"compile", r.compile_seconds},
+       {{"workers", r.workers},
+        {"compile", r.compile_seconds},
         {"build", r.build_seconds},
         {"emit", r.emit_seconds},
         {"map", r.map_seconds},

@@ -11,7 +11,8 @@ struct CameraReport;
 /// What is modelled and what is left out, with reasons.
 nlohmann::json room_plan_json(const RoomScene &scene, const RoomOptions &options);
 
+/// device: as device_json (render/report.hpp)
 nlohmann::json room_report_json(const RoomScene &scene, const RoomOptions &options, const RoomReport &report,
-                                const Device &device, double develop_seconds, double total_seconds);
+                                const nlohmann::json &device, double develop_seconds, double total_seconds);
 
 }  // namespace greenray

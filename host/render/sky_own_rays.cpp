@@ -61,15 +61,14 @@ void add_sample(SkyRays &rays, const SkyLight &light, const OwnRayTargets &own_t
 }  // namespace
 
 void shade_with_own_rays(SkyRays &rays, const SkyLight &light, const OwnRayTargets &targets, f32::SkyView view,
-                         const RenderPlan &plan, SkyPicture &picture, const std::function<void(double)> &progress) {
+                         const RenderPlan &plan, const std::array<int, 2> &first_last, SkyPicture &picture) {
   view.rows = 1;
   const auto width = static_cast<std::size_t>(picture.width());
-  for (int row = 0; row < picture.height(); ++row) {
+  for (int row = first_last[0]; row < first_last[1]; ++row) {
     view.first_row = plan.crop[1] + row;
     RowSums sums{std::vector<float>(width * light.air.size()), std::vector<float>(width * 2)};
     for (int sample = 0; sample < plan.spp; ++sample) add_sample(rays, light, targets, plan, view, sample, sums);
     picture.keep(sums.view(), row, 1, plan.spp);
-    progress(static_cast<double>(row + 1) / picture.height());
   }
 }
 

@@ -14,9 +14,9 @@ struct OwnRayTargets {
   SightPlaces *places;
 };
 
-/// Fills the picture row by row: rays on the device, then the kernel's own shading text on the host. view.rows and
-/// view.first_row are set here. progress: called with the fraction done.
+/// Fills rows first .. last - 1 of the picture: rays on the device, then the kernel's own shading text on the host.
+/// view.rows and view.first_row are set here.
 void shade_with_own_rays(SkyRays &rays, const SkyLight &light, const OwnRayTargets &targets, f32::SkyView view,
-                         const RenderPlan &plan, SkyPicture &picture, const std::function<void(double)> &progress);
+                         const RenderPlan &plan, const std::array<int, 2> &first_last, SkyPicture &picture);
 
 }  // namespace greenray

@@ -1,5 +1,6 @@
 #include "render/sky_picture.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "support/angle.hpp"
@@ -11,10 +12,10 @@ namespace {
 constexpr std::size_t piece = 4096;  // pixels that a thread takes at a time
 
 /// Of the sum over wavelengths.
-double variance_of_mean(const SkySums &sums, std::size_t pixel, int samples) {
+double variance_of_mean(std::span<const float> moments, std::size_t pixel, int samples) {
   if (samples < 2) return 0;
-  const double mean = sums.moments[2 * pixel] / static_cast<double>(samples);
-  const double square = sums.moments[2 * pixel + 1] / static_cast<double>(samples);
+  const double mean = moments[2 * pixel] / static_cast<double>(samples);
+  const double square = moments[2 * pixel + 1] / static_cast<double>(samples);
   return std::max(0.0, square - mean * mean) / (samples - 1);
 }
 
@@ -30,6 +31,8 @@ SkyPicture::SkyPicture(const RenderPlan &plan) : waves_(plan.wavelengths_nm.size
   image_.wavelength_nm = plan.wavelengths_nm;
   image_.radiance.resize(image_.pixels() * waves_);
   image_.channels["variance"].resize(image_.pixels());
+  samples_.resize(static_cast<std::size_t>(image_.height));
+  moments_.resize(2 * image_.pixels());
 }
 
 void SkyPicture::keep(const SkySums &sums, int first_row, int rows, int samples) {
@@ -41,17 +44,54 @@ void SkyPicture::keep(const SkySums &sums, int first_row, int rows, int samples)
   for_pieces(pixels, piece, host_threads(), [&](std::size_t from, std::size_t to) {
     for (std::size_t i = from; i < to; ++i) {
       for (std::size_t w = 0; w < waves_; ++w) radiance[i * waves_ + w] = sums.spectra[i * padded + w] * scale;
-      variances[i] = static_cast<float>(variance_of_mean(sums, i, samples) / (bands * bands));
+      variances[i] = static_cast<float>(variance_of_mean(sums.moments, i, samples) / (bands * bands));
     }
   });
-  for (std::size_t i = 0; i < pixels; ++i) {  // in one order, for the same bits
-    variance_sum_ += variance_of_mean(sums, i, samples);
-    band_sum_ += sums.moments[2 * i] * scale;
-  }
+  std::copy_n(sums.moments.begin(), 2 * pixels, moments_.begin() + static_cast<std::ptrdiff_t>(2 * first));
+  std::fill_n(samples_.begin() + first_row, rows, samples);
 }
 
+SkyRows SkyPicture::rows(int first, int last) const {
+  const auto some = [&](const auto &values, std::size_t each) {
+    const auto at = [&](int row) {
+      return values.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(row) * each);
+    };
+    return std::vector(at(first), at(last));
+  };
+  const auto width = static_cast<std::size_t>(image_.width);
+  return {first, some(samples_, 1), some(image_.radiance, width * waves_), some(moments_, 2 * width)};
+}
+
+bool SkyPicture::set_rows(const SkyRows &rows) {
+  const std::size_t width = static_cast<std::size_t>(image_.width), count = rows.samples.size();
+  const bool fits = rows.first >= 0 && static_cast<std::size_t>(rows.first) + count <= samples_.size() &&
+                    rows.radiance.size() == count * width * waves_ && rows.moments.size() == 2 * count * width;
+  if (!fits) return false;
+  const std::size_t first = static_cast<std::size_t>(rows.first);
+  std::copy(rows.samples.begin(), rows.samples.end(), samples_.begin() + rows.first);
+  std::copy(rows.radiance.begin(), rows.radiance.end(),
+            image_.radiance.begin() + static_cast<std::ptrdiff_t>(first * width * waves_));
+  std::copy(rows.moments.begin(), rows.moments.end(),
+            moments_.begin() + static_cast<std::ptrdiff_t>(2 * first * width));
+  const double bands = static_cast<double>(waves_);
+  std::vector<float> &variances = image_.channels["variance"];
+  for (std::size_t i = first * width; i < (first + count) * width; ++i)
+    variances[i] = static_cast<float>(variance_of_mean(moments_, i, samples_[i / width]) / (bands * bands));
+  return true;
+}
+
+int SkyPicture::most_samples() const { return *std::max_element(samples_.begin(), samples_.end()); }
+
 double SkyPicture::noise_rms() const {
-  return relative(variance_sum_, band_sum_, static_cast<double>(image_.pixels()));
+  double variance_sum = 0, band_sum = 0;
+  const auto width = static_cast<std::size_t>(image_.width);
+  for (std::size_t i = 0; i < image_.pixels(); ++i) {
+    const int samples = samples_[i / width];
+    if (samples == 0) continue;
+    variance_sum += variance_of_mean(moments_, i, samples);
+    band_sum += moments_[2 * i] * (1.0f / static_cast<float>(samples));
+  }
+  return relative(variance_sum, band_sum, static_cast<double>(image_.pixels()));
 }
 
 void SkyPicture::describe(const f32::SkyView &view, const TransferTable &table) {
@@ -128,7 +168,7 @@ void SkyPicture::describe_terrain(const f32::SkyView &view, const TerrainTable &
 double relative_noise(const SkySums &sums, int samples) {
   double variance = 0, band = 0;
   for (std::size_t i = 0; i < sums.moments.size() / 2; ++i) {
-    variance += variance_of_mean(sums, i, samples);
+    variance += variance_of_mean(sums.moments, i, samples);
     band += sums.moments[2 * i] / static_cast<double>(samples);
   }
   return relative(variance, band, static_cast<double>(sums.moments.size()) / 2);

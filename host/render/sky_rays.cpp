@@ -68,11 +68,11 @@ struct SkyRays::State {
 
   SkyRayOptions options;
   std::shared_ptr<Device> device;
+  std::optional<SectionTable> section;  // before the table, whose error it decides
   IndexTable table;
   LayerTable layer_table;
   std::optional<LayerTracer> layer_tracer;
   std::optional<RayTracer> step_tracer;
-  std::optional<SectionTable> section;
   std::optional<SectionTracer> section_tracer;
 };
 

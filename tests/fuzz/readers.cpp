@@ -13,6 +13,7 @@
 #include "image/exr.hpp"
 #include "image/picture_source.hpp"
 #include "image/png.hpp"
+#include "render/picture_part.hpp"
 #include "render/room_checkpoint.hpp"
 #include "render/transfer_curve.hpp"
 #include "scene/height_tile.hpp"
@@ -21,6 +22,7 @@
 #include "scene/obj_file.hpp"
 #include "scene/room_scene.hpp"
 #include "scene/scene_file.hpp"
+#include "support/checked_file.hpp"
 #include "support/csv_table.hpp"
 #include "support/error.hpp"
 #include "support_code/terrain.hpp"
@@ -101,6 +103,10 @@ void read_checkpoint_file(const Bytes &bytes) {
   const FileOf file(bytes, ".grck");
   (void)read_checkpoint(file.path());
 }
+void read_part_file(const Bytes &bytes) {
+  const FileOf file(bytes, ".grck");
+  (void)read_part_head(file.path());
+}
 void read_curve(const Bytes &bytes) {
   const FileOf file(bytes, ".csv");
   (void)read_transfer_curve(file.path());
@@ -147,6 +153,17 @@ std::vector<Bytes> png_seeds() {
 }
 std::vector<Bytes> checkpoint_seeds() {
   return {written(".grck", [](const fs::path &path) { write_checkpoint(path, RoomCheckpoint{}); })};
+}
+std::vector<Bytes> part_seeds() {
+  PartHead head;
+  head.kind = "sky", head.command = {"flat-sun"}, head.device_json = head.report_json = "{}";
+  return {written(".grck", [&](const fs::path &path) {
+    AtomicFile file(path);
+    CheckedWriter writer(file, part_kind, head_json(head, "{}"));
+    writer.add(std::vector<float>{1, 2, 3});
+    writer.end();
+    file.commit();
+  })};
 }
 std::vector<Bytes> scene_seeds() {
   std::vector<Bytes> seeds;
@@ -215,6 +232,7 @@ const std::vector<Reader> &readers() {
       {"exr", {"channels", "compression", "dataWindow", "tiles"}, read_whole_exr, exr_seeds},
       {"png", {"IHDR", "IDAT", "tRNS", "PLTE"}, read_png_file, png_seeds},
       {"checkpoint", {}, read_checkpoint_file, checkpoint_seeds},
+      {"part", {}, read_part_file, part_seeds},
       {"curve", {",", "space", "ground", "nan"}, read_curve, curve_seeds},
       {"terrain", {"ncols ", "NODATA_value ", "cellsize ", "-9999", "nan"}, read_terrain_file, terrain_seeds},
       {"records", {"{", "}", "[", "null", "\"rate\"", "1e999"}, read_records, record_seeds},
