@@ -10,9 +10,9 @@
 
 namespace greenray {
 
-/// Rows of the transfer table for the kernel: [entries][SKY_CHANNELS][waves], waves padded (kernels/shared/sky.h).
+/// Rows of the transfer table for the kernel: [entries][channels][waves], waves padded (kernels/shared/sky.h).
 struct SkyTable {
-  int entries = 0, waves = 0;
+  int entries = 0, waves = 0, channels = 0;
   std::vector<float> values;
   std::vector<float> limb;  // [LIMB_TERMS][waves]
 };

@@ -238,6 +238,17 @@ void explain(const Scene &scene, const RenderOptions &options, RenderPlan &plan)
 
 }  // namespace
 
+AzimuthRange azimuths_from(const Scene &scene, const RenderPlan &plan, double azimuth_rad) {
+  const double tangent = std::tan(to_rad(scene.observer.fov_deg) / 2);
+  const double altitude = to_rad(scene.observer.altitude_deg);
+  const double half_height = tangent * plan.size[1] / plan.size[0];
+  // The widest row is the one nearest to the zenith or the nadir; where that is in the picture, all azimuths are.
+  const double forward = std::cos(altitude) - half_height * std::sin(std::abs(altitude));
+  if (forward <= 1e-9) return {0, pi};
+  const double half_width = std::atan2(tangent, forward) * 1.001, away = std::abs(std::remainder(azimuth_rad, 2 * pi));
+  return {std::max(0.0, away - half_width), std::min(pi, away + half_width)};
+}
+
 RenderPlan plan_render(const Scene &scene, const RenderOptions &options) {
   RenderPlan plan;
   plan.size = picture_size(scene, options);

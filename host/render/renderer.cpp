@@ -69,8 +69,9 @@ class Renderer {
     const auto begin = Clock::now();
     const double compiled_before = device_->compile_seconds();
     place_sun();
-    light_ = {scene_.sky, sun_, sight_->rays_at(sunlight_altitude_deg()), sight_->rays_at(10),
-              spectral_air(scene_, plan_.wavelengths_nm)};
+    light_ = {scene_.sky, sun_, sight_->rays_at(sunlight_altitude_deg()), spectral_air(scene_, plan_.wavelengths_nm)};
+    light_.glow = glow();
+    if (light_.glow) report_.azimuth_error = light_.glow->azimuth_error();
     report_.emit_seconds += std::max(0.0, seconds_since(begin) - (device_->compile_seconds() - compiled_before));
   }
 
@@ -81,6 +82,17 @@ class Renderer {
     const double seen_deg = report_.sun_apparent_altitude_deg.value_or(to_deg(sun_.true_altitude_rad));
     if (!report_.horizon_altitude_deg) return report_.sun_apparent_altitude_deg.value_or(std::max(seen_deg, 0.0));
     return std::max(seen_deg, *report_.horizon_altitude_deg + clear_of_the_ground_deg);
+  }
+
+  std::shared_ptr<const SkyGlow> glow() const {
+    if (!sun_.shines || !sight_->field()) return nullptr;
+    std::vector<double> irradiance;
+    for (const SpectralAir &air : light_.air) irradiance.push_back(air.irradiance_outside(sun_.radius_rad));
+    const double low = to_rad(plan_.first_elevation_deg);
+    const double high = low + from_arcsec(plan_.spacing_arcsec) * static_cast<double>(plan_.entries - 1);
+    const AzimuthRange seen = azimuths_from(scene_, plan_, sun_.azimuth_rad);
+    return std::make_shared<SkyGlow>(sight_->field(), scene_.sky, sun_.true_altitude_rad, irradiance,
+                                     GlowRange{low, std::min(high, pi / 2), seen.nearest_rad, seen.farthest_rad});
   }
 
   f32::SkyView view() const {
@@ -97,7 +109,7 @@ class Renderer {
     v.sun_sin_altitude = static_cast<float>(std::sin(sun_.true_altitude_rad));
     v.sun_cos_altitude = static_cast<float>(std::cos(sun_.true_altitude_rad));
     v.sun_radius_rad = static_cast<float>(sun_.radius_rad);
-    v.phase_asymmetry = static_cast<float>(aerosol_asymmetry);
+    set_azimuths(light_.glow.get(), v);
     v.entries = static_cast<int>(sight_->transfer().entries);
     v.width = plan_.crop[2] - plan_.crop[0];
     v.first_column = plan_.crop[0];
@@ -183,14 +195,15 @@ class Renderer {
     between.entries = sight_->probes().below.size();
     between.rays = sight_->probes().rays;
     const SkyTable truth = make_sky_table(light_, between, waves);
-    const auto n = static_cast<std::size_t>(waves), entry = n * f32::SKY_CHANNEL_COUNT;
+    const auto n = static_cast<std::size_t>(waves), entry = n * static_cast<std::size_t>(sky.channels);
     double error = 0, light = 0;
     for (std::size_t k = 0; k < between.entries; ++k)
       for (std::size_t w = 0; w < light_.air.size(); ++w) {
         const float *a = &sky.values[sight_->probes().below[k] * entry + w], *b = a + entry,
                     *t = &truth.values[k * entry + w];
         if (a[f32::SKY_JOINED * n] < 1.0f) continue;
-        for (std::size_t c : {f32::SKY_SUN * n, f32::SKY_GLOW * n}) {
+        for (std::size_t c : {f32::SKY_SUN * n, f32::SKY_LIGHT * n}) {
+          if (c >= entry) continue;  // no light but the Sun's
           const double difference = 0.5 * (static_cast<double>(a[c]) + b[c]) - t[c];
           error += difference * difference;
           light += static_cast<double>(t[c]) * t[c];

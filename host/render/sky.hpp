@@ -1,6 +1,9 @@
 // Radiance of sky, sea and Sun for each entry of the transfer table.
 #pragma once
+#include <memory>
+
 #include "compute/sky_shader.hpp"
+#include "render/sky_glow.hpp"
 #include "render/spectrum.hpp"
 #include "render/transfer.hpp"
 #include "scene/scene.hpp"
@@ -19,20 +22,19 @@ struct SunPlace {
 struct SkyLight {
   SkyScene sky;
   SunPlace sun;
-  std::vector<Transfer> towards_sun, at_10_degrees;  // [wavelengths]: the rays that light air and sea
-  std::vector<SpectralAir> air;                      // [wavelengths]
+  std::vector<Transfer> towards_sun;         // [wavelengths]
+  std::vector<SpectralAir> air;              // [wavelengths]
+  std::shared_ptr<const SkyGlow> glow = {};  // null: black (academic, or no Sun)
 };
 
-/// The plain sky: one scattering with a source that is constant along the path, so that it is right in colour and
-/// continuous at the horizon, not in absolute radiance (docs/method.md, "The plain sky").
-///   sky  J (1 - exp(-tau)),  J = E_sun T (rayleigh share / 4 pi + aerosol share x phase)
-///   sea  reflectance x sky at 10 degrees, seen through the air between, plus the light that air scatters in
-/// The academic sky (G04 figures 6.2, 6.3) is black, its Sun a white disk outside the air.
+/// The Sun's disk through the extinction of each ray's own columns, and the light of sky and sea (SkyGlow) where the
+/// ray comes from. The academic sky (G04 figures 6.2, 6.3) is black, its Sun a white disk outside the air.
 SkyTable make_sky_table(const SkyLight &light, const TransferTable &transfer, int waves);
+
+/// The part of a view that tells how to look `glow` up; null: nothing to look up.
+void set_azimuths(const SkyGlow *glow, f32::SkyView &view);
 
 /// Optical depth of a ray: Rayleigh, aerosol and ozone together.
 double optical_depth(const Transfer &ray, const SpectralAir &air);
-
-inline constexpr double aerosol_asymmetry = 0.76;
 
 }  // namespace greenray

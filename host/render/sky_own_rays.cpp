@@ -38,10 +38,11 @@ void add_sample(SkyRays &rays, const SkyLight &light, const f32::SkyView &v, int
   const SkyTable sky = make_sky_table(light, own, waves);
   for (int column = 0; column < v.width; ++column) {
     const float half_azimuth = f32::sine_half_from_sun(&v, row.azimuths_rad[static_cast<std::size_t>(column)]);
-    float band = 0;
+    float band = 0, weight[SKY_MOST_AZIMUTHS];
+    f32::azimuth_weights(&v, half_azimuth, weight);
     for (int w = 0; w < waves; ++w) {
       const float radiance =
-          f32::sky_radiance(&v, sky.values.data(), sky.limb.data(), waves, w, column, 0, half_azimuth);
+          f32::sky_radiance(&v, sky.values.data(), sky.limb.data(), waves, w, column, 0, half_azimuth, weight);
       sums.spectra[static_cast<std::size_t>(column * waves + w)] += radiance;
       band += radiance;
     }

@@ -9,6 +9,7 @@
 
 #include "render/host_rays.hpp"
 #include "render/renderer.hpp"
+#include "render/sky_glow.hpp"
 #include "render/transfer.hpp"
 #include "render/transfer_curve.hpp"
 
@@ -26,6 +27,8 @@ class SkySight {
   const TransferCurve &curve() const { return curve_; }
   const TransferTable &transfer() const { return transfer_; }  // of all wavelengths of the picture
   const TransferProbes &probes() const { return probes_; }
+  /// Light of the sky, wherever the Sun stands; null in an academic scene.
+  const std::shared_ptr<const SkyField> &field() const { return field_; }
   /// Rays at one apparent altitude, [wavelengths of the picture].
   std::vector<Transfer> rays_at(double altitude_deg);
   /// Its part of a picture's report: cells, errors, rays, seconds.
@@ -49,6 +52,7 @@ class SkySight {
   TransferCurve curve_;
   TransferTable transfer_;
   TransferProbes probes_;
+  std::shared_ptr<const SkyField> field_;
   RenderReport report_;
 };
 

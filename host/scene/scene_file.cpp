@@ -123,6 +123,20 @@ void read_sun(const TomlTable &table, double observer_height_m, SunScene &sun) {
   table.read("limb_darkening", sun.limb_darkening);
 }
 
+void read_sky(const TomlTable &table, SkyScene &sky) {
+  table.read_word("model", sky.model, {{"plain", SkyScene::Model::plain}, {"academic", SkyScene::Model::academic}});
+  table.read_word("surface", sky.surface, {{"sea", SkyScene::Surface::sea}, {"land", SkyScene::Surface::land}});
+  table.read("wind_m_s", sky.wind_m_s, {0, 30, "m/s"});
+  table.read("sea_reflectance", sky.sea_reflectance, {0, 1});
+  if (sky.surface == SkyScene::Surface::land) {
+    constexpr double albedo_of_land = 0.2;
+    sky.ground_albedo = albedo_of_land;
+    for (const char *key : {"wind_m_s", "sea_reflectance"})
+      if (table.has(key)) table.complain(key, "belongs to surface = \"sea\"");
+  }
+  table.read("ground_albedo", sky.ground_albedo, {0, 1});
+}
+
 void read_spectrum(const TomlTable &table, SpectrumScene &spectrum) {
   table.read("samples", spectrum.samples, {1, 256});
   std::vector<double> range;
@@ -217,9 +231,7 @@ Scene parse_scene(const std::string &file, std::string_view text, const std::vec
   read_sun(root.table("sun"), scene.observer.height_m, scene.sun);
   if (scene.sun.by_date && !root.table("observer").has("azimuth_deg"))
     scene.observer.azimuth_deg = *scene.sun.azimuth_deg;
-  const TomlTable sky = root.table("sky");
-  sky.read_word("model", scene.sky.model, {{"plain", SkyScene::Model::plain}, {"academic", SkyScene::Model::academic}});
-  sky.read("sea_reflectance", scene.sky.sea_reflectance, {0, 1});
+  read_sky(root.table("sky"), scene.sky);
   read_spectrum(root.table("spectrum"), scene.spectrum);
   read_tracing(root.table("tracing"), scene.tracing);
   read_eye(root.table("eye"), scene.eye);

@@ -89,6 +89,8 @@ void add(Fingerprint &print, const AtmosphereScene &air) {
   print.add("aerosol.turbidity", air.turbidity);
   print.add("aerosol.angstrom", air.angstrom);
   print.add("aerosol.scale_height_m", air.aerosol_scale_height_m);
+  print.add("aerosol.asymmetry", air.aerosol_asymmetry);
+  print.add("aerosol.scattering_albedo", air.aerosol_scattering_albedo);
 }
 
 void add(Fingerprint &print, const ObserverScene &observer, const SunScene &sun, const SkyScene &sky) {
@@ -105,7 +107,10 @@ void add(Fingerprint &print, const ObserverScene &observer, const SunScene &sun,
   print.add("sun.diameter_arcmin", sun.diameter_arcmin);
   print.add_choice("sun.limb_darkening", sun.limb_darkening);
   print.add_choice("sky.model", sky.model);
+  print.add_choice("sky.surface", sky.surface);
+  print.add("sky.wind_m_s", sky.wind_m_s);
   print.add("sky.sea_reflectance", sky.sea_reflectance);
+  print.add("sky.ground_albedo", sky.ground_albedo);
 }
 
 void add(Fingerprint &print, const SpectrumScene &spectrum, const TracingScene &tracing, const EyeScene &eye) {

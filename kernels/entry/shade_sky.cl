@@ -28,10 +28,12 @@ __kernel void shade_sky(__global const float *table, __global const float *limb,
       const float at = clamp((LANE(d.elevation_rad, i) - view.first_elevation_rad) * view.entries_per_rad, 0.0f,
                              (float)(view.entries - 1));
       const int entry = min((int)at, view.entries - 2);
+      float weight[SKY_MOST_AZIMUTHS];
+      azimuth_weights(&view, LANE(half_azimuth, i), weight);
       real band = SPREAD(0);
       for (int g = 0; g < SKY_WAVES / LANES; ++g) {
         const real radiance =
-            sky_radiance(&view, table, limb, waves, g * LANES, entry, at - (float)entry, LANE(half_azimuth, i));
+            sky_radiance(&view, table, limb, waves, g * LANES, entry, at - (float)entry, LANE(half_azimuth, i), weight);
         sum[g] += radiance;
         band += radiance;
       }
