@@ -46,7 +46,7 @@ void sort_on_threads(std::vector<Keyed> &keys, unsigned threads) {
 /// Photons that do not stand where std::sort puts them; within a dense cell, which the map sorts further, any place is
 /// right.
 std::size_t misplaced(const PhotonMap &map, const std::vector<Keyed> &keys, const std::vector<Keyed> &sorted) {
-  constexpr std::size_t dense = 513;
+  constexpr std::size_t dense = 1025;
   const PhotonMap::Contents c = map.read();
   if (c.order.size() != sorted.size()) return sorted.size();
   std::size_t wrong = 0;

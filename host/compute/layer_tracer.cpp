@@ -191,19 +191,22 @@ std::vector<f64::RayEnd> all_places(State &state, std::span<const double> elevat
   Buffer<End> ends(state.device, chunk * each, "places on rays");
   std::vector<End> host_ends(chunk * each);
   distances.write(narrowed<Scalar>(distances_m, same).data(), distances_m.size());
-  cl::Kernel kernel = state.kernel("place_rays", true, 1);
+  const bool abreast = distances_m.size() < state.lanes();  // few distances: rays side by side instead
+  cl::Kernel kernel = state.kernel(abreast ? "place_rays_abreast" : "place_rays", true, 1);
   kernel.setArg(5, sines.cl());
   kernel.setArg(6, cosines.cl());
   kernel.setArg(7, distances.cl());
   kernel.setArg(8, ends.cl());
   kernel.setArg(9, static_cast<cl_int>(distances_m.size()));
+  const auto groups = [&](std::size_t items) { return (items + state.lanes() - 1) / state.lanes(); };
   for (std::size_t first = 0; first < elevations_rad.size(); first += chunk) {
     if (first > 0 && state.between_batches) state.between_batches();
     const auto some = elevations_rad.subspan(first, std::min(chunk, elevations_rad.size() - first));
     sines.write(narrowed<Scalar>(some, std::sin).data(), some.size());
     cosines.write(narrowed<Scalar>(some, std::cos).data(), some.size());
-    state.stats.device_seconds +=
-        state.launch(kernel, (distances_m.size() + state.lanes() - 1) / state.lanes(), some.size());
+    if (abreast) kernel.setArg(10, static_cast<cl_int>(some.size()));
+    state.stats.device_seconds += abreast ? state.launch(kernel, groups(some.size()), distances_m.size())
+                                          : state.launch(kernel, groups(distances_m.size()), some.size());
     ends.read(host_ends.data(), some.size() * each);
     for (std::size_t i = 0; i < some.size() * each; ++i) results.push_back(widened(host_ends[i]));
   }

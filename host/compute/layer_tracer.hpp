@@ -24,8 +24,9 @@ class LayerTracer {
   std::vector<f64::RayEnd> trace(std::span<const double> elevations_rad);
 
   /// Where each ray is after each distance [m] along the surface, or where it ended before: [elevations][wavelengths]
-  /// [distances]. above_m is the flattened height, rise/run the tangent of the elevation there. The table must have no
-  /// layers merged. A ray in a duct is followed however far (turning_points then counts one period at most).
+  /// [distances]. above_m is the flattened height, rise/run the tangent of the elevation there, columns those up to
+  /// there. The table must have no layers merged. A ray in a duct is followed however far (turning_points then counts
+  /// one period at most).
   std::vector<f64::RayEnd> places(std::span<const double> elevations_rad, std::span<const double> distances_m);
 
   const TraceStats &stats() const;

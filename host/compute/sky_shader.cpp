@@ -1,6 +1,8 @@
 #include "compute/sky_shader.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <optional>
 
 #include "compute/buffer.hpp"
 #include "compute/program.hpp"
@@ -16,6 +18,26 @@ int padded_waves(const Device &device, int wavelengths) {
   return (wavelengths + lanes - 1) / lanes * lanes;
 }
 
+/// The targets on the device; of a picture without them nothing.
+struct TargetBuffers {
+  Buffer<float> sight, corners, light;
+  Buffer<f32::Target> rows;
+  Buffer<f32::TargetTexel> texels;
+
+  TargetBuffers(Device::State &device, const TargetTable &t)
+      : sight(device, t.sight.size(), "the sight table of targets"),
+        corners(device, std::max<std::size_t>(t.corners.size(), 1), "outlines of targets"),
+        light(device, t.light.size(), "light of targets"),
+        rows(device, t.targets.size(), "targets"),
+        texels(device, std::max<std::size_t>(t.texels.size(), 1), "pictures of targets") {
+    sight.write(t.sight.data(), t.sight.size());
+    light.write(t.light.data(), t.light.size());
+    rows.write(t.targets.data(), t.targets.size());
+    if (!t.corners.empty()) corners.write(t.corners.data(), t.corners.size());
+    if (!t.texels.empty()) texels.write(t.texels.data(), t.texels.size());
+  }
+};
+
 struct SkyShader::State {
   std::shared_ptr<Device> owner;
   Device::State &device;
@@ -24,8 +46,9 @@ struct SkyShader::State {
   f32::SkyView view{};
   cl::Kernel kernel;
   bool warm = false;
+  std::optional<TargetBuffers> targets;
 
-  State(std::shared_ptr<Device> d, const SkyTable &t, int width, int rows)
+  State(std::shared_ptr<Device> d, const SkyTable &t, const TargetTable &before, int width, int rows)
       : owner(std::move(d)),
         device(owner->state()),
         table(device, t.values.size(), "the transfer table"),
@@ -37,6 +60,7 @@ struct SkyShader::State {
     limb.write(t.limb.data(), t.limb.size());
     BuildPlan plan{"shade_sky", device.lanes.lanes_float, false, false, false, false};
     plan.sky_waves = waves;
+    if (before.any()) plan.words = " -DWITH_TARGETS=1";
     const std::string key = plan.entry + build_options(plan);
     warm = device.kernels.count(key) > 0;
     try {
@@ -46,9 +70,20 @@ struct SkyShader::State {
       kernel.setArg(1, limb.cl());
       kernel.setArg(2, spectra.cl());
       kernel.setArg(3, moments.cl());
+      if (before.any()) set_targets(before);
     } catch (const cl::Error &error) {
       throw_failed_call(error, "kernel shade_sky", device.info.name);
     }
+  }
+
+  void set_targets(const TargetTable &t) {
+    targets.emplace(device, t);
+    kernel.setArg(5, targets->sight.cl());
+    kernel.setArg(6, targets->rows.cl());
+    kernel.setArg(7, targets->corners.cl());
+    kernel.setArg(8, targets->light.cl());
+    kernel.setArg(9, targets->texels.cl());
+    kernel.setArg(10, cl_int2{{static_cast<cl_int>(t.targets.size()), t.stations}});
   }
 
   static std::size_t band_floats(int width, int rows, int each) {
@@ -77,8 +112,9 @@ std::size_t SkyShader::band_bytes(int width, int rows, int waves) {
   return State::band_floats(width, rows, waves + 2) * sizeof(float);
 }
 
-SkyShader::SkyShader(std::shared_ptr<Device> device, const SkyTable &table, int width, int most_rows)
-    : state_(std::make_unique<State>(std::move(device), table, width, most_rows)) {
+SkyShader::SkyShader(std::shared_ptr<Device> device, const SkyTable &table, const TargetTable &targets, int width,
+                     int most_rows)
+    : state_(std::make_unique<State>(std::move(device), table, targets, width, most_rows)) {
   if (state_->warm) return;
   // PoCL compiles at the first launch: one pixel without samples, counted as compiling.
   f32::SkyView nothing{};

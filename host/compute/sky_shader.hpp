@@ -17,6 +17,26 @@ struct SkyTable {
   std::vector<float> limb;  // [LIMB_TERMS][waves]
 };
 
+/// What stands before the sky, for the same kernel (kernels/shared/target.h). Of as many waves and entries as the sky.
+struct TargetTable {
+  int stations = 0;
+  std::vector<float> sight;          // [entries][stations][TARGET_CHANNEL_COUNT][waves]
+  std::vector<f32::Target> targets;  // farthest first
+  std::vector<float> corners;        // [corners][2]
+  std::vector<float> light;          // [1 + targets][waves]
+  std::vector<f32::TargetTexel> texels;
+
+  bool any() const { return !targets.empty(); }
+  std::size_t bytes() const {
+    return (sight.size() + corners.size() + light.size()) * sizeof(float) + targets.size() * sizeof(f32::Target) +
+           texels.size() * sizeof(f32::TargetTexel);
+  }
+  f32::Targets view(int waves) const {
+    return {sight.data(), targets.data(), corners.data(), light.data(), texels.data(), static_cast<int>(targets.size()),
+            stations,     waves};
+  }
+};
+
 /// Wavelengths rounded up to whole groups of the device's lanes.
 int padded_waves(const Device &device, int wavelengths);
 
@@ -29,7 +49,9 @@ struct SkySums {
 /// Accumulates samples for a band of rows; the band's memory counts against the device's budget.
 class SkyShader {
  public:
-  SkyShader(std::shared_ptr<Device> device, const SkyTable &table, int width, int most_rows);
+  /// targets: may be empty; then the kernel is built without them.
+  SkyShader(std::shared_ptr<Device> device, const SkyTable &table, const TargetTable &targets, int width,
+            int most_rows);
   ~SkyShader();
 
   /// Starts a band: view.first_row, view.rows. Its first samples (first_sample 0) replace what the last band left.

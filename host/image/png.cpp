@@ -73,14 +73,15 @@ bool encode(png_structp png, png_infop info, const Raster &raster, const std::ve
   return true;
 }
 
-/// First half of reading: header and conversions to plain RGB.
-bool decode_header(png_structp png, png_infop info, std::FILE *stream) {
+/// First half of reading: header and conversions to plain RGB, or RGB and alpha.
+bool decode_header(png_structp png, png_infop info, std::FILE *stream, bool with_alpha) {
   if (setjmp(png_jmpbuf(png))) return false;
   png_init_io(png, stream);
   png_read_info(png, info);
   png_set_expand(png);
   png_set_gray_to_rgb(png);
-  png_set_strip_alpha(png);
+  if (with_alpha) png_set_add_alpha(png, 0xffff, PNG_FILLER_AFTER);
+  else png_set_strip_alpha(png);
   png_read_update_info(png, info);
   return true;
 }
@@ -182,7 +183,7 @@ void write_png(const std::filesystem::path &path, const Raster &raster) {
   file.commit();
 }
 
-Raster read_png(const std::filesystem::path &path) {
+Raster read_png(const std::filesystem::path &path, std::vector<std::uint16_t> *alpha) {
   const SourcePlace place{path.string(), 1, 1};
   const std::unique_ptr<std::FILE, int (*)(std::FILE *)> stream(std::fopen(path.c_str(), "rb"), &std::fclose);
   if (!stream) throw InputError(place, "expected a PNG file, found no readable file");
@@ -191,7 +192,7 @@ Raster read_png(const std::filesystem::path &path) {
   const auto damaged = [&] {
     return InputError(place, std::string("not a readable PNG file (") + reader.problem.message + ")");
   };
-  if (!decode_header(reader.png, reader.info, stream.get())) throw damaged();
+  if (!decode_header(reader.png, reader.info, stream.get(), alpha != nullptr)) throw damaged();
   Raster raster;
   raster.width = static_cast<int>(png_get_image_width(reader.png, reader.info));
   raster.height = static_cast<int>(png_get_image_height(reader.png, reader.info));
@@ -199,10 +200,13 @@ Raster read_png(const std::filesystem::path &path) {
   const auto height = static_cast<std::size_t>(raster.height);
   std::vector<png_byte> bytes(height * png_get_rowbytes(reader.png, reader.info));
   if (!decode_rows(reader.png, row_pointers(bytes, height))) throw damaged();
-  const std::size_t width_bytes = raster.bits == 16 ? 2 : 1;
-  raster.rgb.resize(bytes.size() / width_bytes);
-  for (std::size_t i = 0; i < raster.rgb.size(); ++i)
-    raster.rgb[i] = width_bytes == 1 ? bytes[i] : static_cast<std::uint16_t>(bytes[2 * i] << 8 | bytes[2 * i + 1]);
+  const std::size_t sample_bytes = raster.bits == 16 ? 2 : 1, samples = bytes.size() / sample_bytes;
+  const std::size_t channels = alpha ? 4 : 3;
+  raster.rgb.reserve(samples / channels * 3);
+  for (std::size_t i = 0; i < samples; ++i) {
+    const int level = sample_bytes == 1 ? bytes[i] : bytes[2 * i] << 8 | bytes[2 * i + 1];
+    (i % channels == 3 ? *alpha : raster.rgb).push_back(static_cast<std::uint16_t>(level));
+  }
   return raster;
 }
 

@@ -30,7 +30,8 @@ void quantise_samples(const float *display_linear, std::size_t count, std::size_
 void write_png(AtomicFile &file, const Raster &raster);
 void write_png(const std::filesystem::path &path, const Raster &raster);
 
-/// Any PNG, as 8 or 16 bit RGB without alpha. errors: missing or damaged -> InputError `file:1:1: ...`
-Raster read_png(const std::filesystem::path &path);
+/// Any PNG, as 8 or 16 bit RGB. alpha: levels of what each pixel covers are added to it, full where the file has none;
+/// null: left out. errors: missing or damaged -> InputError `file:1:1: ...`
+Raster read_png(const std::filesystem::path &path, std::vector<std::uint16_t> *alpha = nullptr);
 
 }  // namespace greenray

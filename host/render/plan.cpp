@@ -8,6 +8,7 @@
 #include "render/solver_choice.hpp"
 #include "render/spectrum.hpp"
 #include "render/sun_place.hpp"
+#include "render/targets.hpp"
 #include "support/angle.hpp"
 #include "twin/twin.hpp"
 
@@ -210,6 +211,17 @@ void note_azimuths(const Scene &scene, const RenderOptions &options, RenderPlan 
   if (seen) plan.left_out.push_back("change of the air with azimuth: " + words.str());
 }
 
+void plan_targets(const Scene &scene, RenderPlan &plan) {
+  plan.station_m = station_distances_m(scene);
+  if (plan.station_m.empty()) return;
+  plan.choices.push_back(
+      {"targets",
+       std::to_string(scene.targets.size()) + " at " + std::to_string(plan.station_m.size()) +
+           (plan.station_m.size() == 1 ? " distance" : " distances"),
+       "a ray's height at a distance depends on its elevation and wavelength alone: a table for each",
+       plan.per_pixel ? 0 : 0.5 * plan.spacing_arcsec, "arcsec"});
+}
+
 void explain(const Scene &scene, const RenderOptions &options, RenderPlan &plan) {
   auto &did = plan.modelled, &left = plan.left_out;
   if (options.straight) left.push_back("bending: --straight");
@@ -229,6 +241,11 @@ void explain(const Scene &scene, const RenderOptions &options, RenderPlan &plan)
                   std::string(scene.atmosphere.visibility_km || scene.atmosphere.turbidity ? ", aerosol" : ""));
   if (scene.sun.given == SunScene::Given::nothing) left.push_back("the Sun: no [sun] in the scene");
   else did.push_back(std::string("the Sun") + (scene.sun.limb_darkening && !academic ? " with limb darkening" : ""));
+  if (!plan.station_m.empty()) {
+    did.push_back("targets: " + std::to_string(scene.targets.size()) +
+                  ", each where the bent ray meets it, through the extinction and airlight of its path");
+    left.push_back("light that targets throw on each other, on the air and on the sea, and their shadows");
+  }
   left.push_back("geometry, photons and caustics: none in the scene");
   if (scene.eye.model == EyeScene::Model::human)
     did.push_back("the human eye: " + std::string(scene.eye.glare ? "glare, " : "") +
@@ -265,6 +282,7 @@ RenderPlan plan_render(const Scene &scene, const RenderOptions &options) {
   choose_solver(scene, options, plan);
   choose_wavelengths(scene, options, plan);
   note_azimuths(scene, options, plan);
+  plan_targets(scene, plan);
 
   const bool own = options.spp || options.error_pct || options.minutes;
   const std::optional<int> spp = own ? options.spp : t.spp;
@@ -279,6 +297,11 @@ RenderPlan plan_render(const Scene &scene, const RenderOptions &options) {
                     plan.entries * plan.wavelengths_nm.size() * 300;
   plan.device_bytes =
       pixels * (padded + 2) * sizeof(float) + plan.entries * padded * 5 * sizeof(float) + (std::size_t{1} << 18) * 168;
+  if (!plan.station_m.empty()) {
+    plan.device_bytes += plan.entries * plan.station_m.size() * padded * f32::TARGET_CHANNEL_COUNT * sizeof(float);
+    plan.host_bytes += plan.entries * plan.station_m.size() *
+                       (padded * f32::TARGET_CHANNEL_COUNT * sizeof(float) + plan.bent_nm.size() * 200);
+  }
   explain(scene, options, plan);
   return plan;
 }

@@ -10,6 +10,7 @@
 #include "render/sky_picture.hpp"
 #include "render/sky_sight.hpp"
 #include "render/sun_place.hpp"
+#include "render/targets.hpp"
 #include "render/transfer_curve.hpp"
 #include "support/angle.hpp"
 
@@ -125,26 +126,31 @@ class Renderer {
     const std::size_t middle = light_.air.size() / 2;
     if (sun_.shines) report_.sun_optical_depth = optical_depth(light_.towards_sun[middle], light_.air[middle]);
     measure_bias(sky, waves);
+    const TargetShapes shapes = target_shapes(scene_, plan_.station_m);
+    const TargetTable targets = make_target_table(scene_, shapes, light_, plan_.wavelengths_nm, sight_->stations(),
+                                                  sight_->transfer().edges, waves);
     SkyPicture picture(plan_);
-    if (plan_.per_pixel) shade_per_pixel(picture);
-    else shade_from_table(sky, picture);
+    if (plan_.per_pixel) shade_per_pixel(shapes, picture);
+    else shade_from_table(sky, targets, picture);
     picture.describe(view(), sight_->transfer());
+    if (targets.any()) picture.describe_targets(view(), targets, sight_->stations());
     report_.noise_rms = picture.noise_rms();
     image_ = picture.take();
     report_.gather_seconds = seconds_since(begin) - (device_->compile_seconds() - compiled_before);
   }
 
-  void shade_per_pixel(SkyPicture &picture) {
+  void shade_per_pixel(const TargetShapes &shapes, SkyPicture &picture) {
     report_.spp = plan_.spp;
-    shade_with_own_rays(sight_->rays(), light_, view(), plan_, picture,
+    const OwnRayTargets targets{scene_, shapes, plan_.station_m.empty() ? nullptr : &sight_->places()};
+    shade_with_own_rays(sight_->rays(), light_, targets, view(), plan_, picture,
                         [&](double done) { progress("picture", done); });
     report_.trace = sight_->rays().stats();
     report_.lookup_arcsec = report_.bias = 0;
   }
 
-  void shade_from_table(const SkyTable &sky, SkyPicture &picture) {
-    const int rows = rows_of_band(sky, picture);
-    SkyShader shader(device_, sky, picture.width(), rows);
+  void shade_from_table(const SkyTable &sky, const TargetTable &targets, SkyPicture &picture) {
+    const int rows = rows_of_band(sky, targets, picture);
+    SkyShader shader(device_, sky, targets, picture.width(), rows);
     f32::SkyView v = view();
     for (int first = 0; first < picture.height(); first += rows) {
       v.first_row = plan_.crop[1] + first;
@@ -156,9 +162,10 @@ class Renderer {
   bool adaptive() const { return plan_.error_pct || plan_.minutes; }
 
   /// As many rows as the device has memory for; with a fixed number of samples no more than its caches like.
-  int rows_of_band(const SkyTable &sky, const SkyPicture &picture) const {
+  int rows_of_band(const SkyTable &sky, const TargetTable &targets, const SkyPicture &picture) const {
     const std::size_t row_bytes = SkyShader::band_bytes(picture.width(), 1, sky.waves);
-    const std::size_t fixed = (sky.values.size() + sky.limb.size()) * sizeof(float) + device_->used_bytes();
+    const std::size_t fixed =
+        (sky.values.size() + sky.limb.size()) * sizeof(float) + targets.bytes() + device_->used_bytes();
     const std::size_t left = device_->budget_bytes() > fixed ? (device_->budget_bytes() - fixed) / 10 * 9 : 0;
     std::size_t most = std::min(left, device_->info().largest_buffer_bytes);
     if (!adaptive() && device_->info().is_cpu) most = std::min(most, cached_bytes);

@@ -45,6 +45,7 @@ struct RenderPlan {
   RayMethod method = RayMethod::cells;
   bool section = false;              // the air varies along the surface: adaptive steps
   double azimuth_from_path_rad = 0;  // of the picture's middle, clockwise from the direction of x
+  std::vector<double> station_m;     // distances of targets, ascending
   bool per_pixel = false;            // rays for every sample instead of a transfer table
   double pixel_arcsec = 0;
   double first_elevation_deg = 0, spacing_arcsec = 0;
@@ -74,6 +75,7 @@ struct RenderReport {
   std::size_t table_cells = 0, curve_entries = 0;
   double table_bound_arcsec = 0;                                  // the builder's own, worst grazing ray
   double table_arcsec = 0, solver_arcsec = 0, lookup_arcsec = 0;  // errors
+  std::optional<double> target_arcsec;                            // of heights at targets, as an angle at the eye
   std::optional<double> sun_optical_depth;                        // on the Sun's own path, at the middle wavelength
   double noise_rms = 0, bias = 0;                                 // relative to the mean radiance
   double azimuth_error = 0;  // of the sky's light between the azimuths of its table, largest, relative

@@ -94,6 +94,7 @@ nlohmann::json report_json(const Scene &scene, const RenderPlan &plan, const Ren
            {{"table_arcsec", report.table_arcsec},
             {"solver_arcsec", report.solver_arcsec},
             {"lookup_arcsec", report.lookup_arcsec},
+            {"target_arcsec", optional(report.target_arcsec)},
             {"noise_rms", report.noise_rms},
             {"bias", report.bias}}},
           {"camera",

@@ -13,6 +13,7 @@
 #include "render/room_looks.hpp"
 #include "render/room_photons.hpp"
 #include "scene/bvh.hpp"
+#include "scene/room_frame.hpp"
 #include "support/error.hpp"
 
 namespace greenray {
@@ -27,19 +28,19 @@ constexpr int passes_before_stopping = 4;  // the noise from pass to pass is not
 class Room {
  public:
   Room(const RoomScene &scene, const RoomOptions &options, const std::shared_ptr<Device> &device)
-      : scene_(scene),
+      : scene_(moved_to_middle(scene)),
         options_(options),
         device_(device),
         begin_(Clock::now()),
         plan_(plan_room(scene, options)),
-        looks_(room_looks(scene)) {
+        looks_(room_looks(scene_)) {
     const double compiled = device->compile_seconds();
     take_up();
-    air_ = room_air(scene, looks_.wavelength_nm, options.straight);
-    tree_ = build_surface_tree(scene.surfaces, SurfaceScene::lanes_for(*device));
+    air_ = room_air(scene_, looks_.wavelength_nm, options.straight);
+    tree_ = build_surface_tree(scene_.surfaces, SurfaceScene::lanes_for(*device));
     tracer_.emplace(device, tree_, air_, looks_);
     out_.report.table_arcsec = room_table_error_arcsec(air_, diagonal_m(tree_.bounds));
-    out_.report.solver_arcsec = room_solver_error_arcsec(*tracer_, air_, scene.camera);
+    out_.report.solver_arcsec = room_solver_error_arcsec(*tracer_, air_, scene_.camera);
     alone_ = medium_disperses(air_, diagonal_m(tree_.bounds));
     out_.report.triangles = scene.surfaces.triangles.size(), out_.report.spheres = scene.surfaces.spheres.size();
     out_.report.air_cells = air_.cells, out_.report.table_error_m = air_.error_m;
@@ -50,7 +51,7 @@ class Room {
   RoomPicture render() {
     photons_.emplace(scene_, options_, device_, *tracer_, looks_, tree_.bounds, alone_);
     photons_->fit(plan_, eye_bytes(), state_.passes > 0);
-    eye_.emplace(scene_.camera, plan_, options_.seed, alone_, looks_.waves());
+    eye_.emplace(scene_.camera, glass_around(scene_, scene_.camera.from), plan_, options_.seed, alone_, looks_.waves());
     statistics_.emplace(plan_.pixels(), looks_.waves());
     if (state_.passes > 0) restore();
     else state_.sums.assign(3 * plan_.pixels(), 0.0f);
@@ -117,7 +118,7 @@ class Room {
   }
 
   std::size_t eye_bytes() const {
-    return RoomEye(scene_.camera, plan_, options_.seed, alone_, looks_.waves()).device_bytes();
+    return RoomEye(scene_.camera, 0, plan_, options_.seed, alone_, looks_.waves()).device_bytes();
   }
 
   /// The crop without the pixels around it.
@@ -272,7 +273,7 @@ class Room {
     r.compile_seconds = device_->compile_seconds() - compiled_before_;
   }
 
-  const RoomScene &scene_;
+  const RoomScene scene_;  // as it is traced
   RoomOptions options_;
   std::shared_ptr<Device> device_;
   Clock::time_point begin_, last_kept_;

@@ -35,8 +35,9 @@ GatherPoint point_of(const room_twin::EyeSample &sample) {
   return point;
 }
 
-RoomEye::RoomEye(const CameraScene &camera, const RoomPlan &plan, std::uint32_t seed, bool alone, std::size_t waves)
-    : from_(camera), plan_(plan), seed_(seed), alone_(alone), waves_(waves) {}
+RoomEye::RoomEye(const CameraScene &camera, int glass, const RoomPlan &plan, std::uint32_t seed, bool alone,
+                 std::size_t waves)
+    : from_(camera), glass_(glass), plan_(plan), seed_(seed), alone_(alone), waves_(waves) {}
 
 std::vector<RoomEye::Box> RoomEye::bands_of(const Box &box) const {
   const std::size_t row = static_cast<std::size_t>(box[2] - box[0]) * static_cast<std::size_t>(plan_.samples);
@@ -60,7 +61,7 @@ std::vector<GatherPoint> RoomEye::survey(RoomTracer &tracer) const {
   const int longer = std::max(plan_.size[0], plan_.size[1]);
   const auto part = [&](int side) { return std::max(1, side * coarse / longer); };
   room_twin::EyeCamera camera = camera_of(from_, {part(plan_.size[0]), part(plan_.size[1])});
-  camera.seed = seed_, camera.samples = 1, camera.alone = alone_ ? 1 : 0;
+  camera.glass = glass_, camera.seed = seed_, camera.samples = 1, camera.alone = alone_ ? 1 : 0;
   std::vector<GatherPoint> points;
   for (const room_twin::EyeSample &sample : tracer.see(camera).samples)
     if (sample.asks) points.push_back(point_of(sample));
@@ -69,7 +70,7 @@ std::vector<GatherPoint> RoomEye::survey(RoomTracer &tracer) const {
 
 room_twin::EyeCamera RoomEye::camera_for(const Box &box, int pass) const {
   room_twin::EyeCamera camera = camera_of(from_, plan_.size);
-  camera.seed = seed_, camera.alone = alone_ ? 1 : 0;
+  camera.glass = glass_, camera.seed = seed_, camera.alone = alone_ ? 1 : 0;
   camera.first_column = box[0], camera.width = box[2] - box[0];
   camera.first_row = box[1], camera.rows = box[3] - box[1];
   camera.first_sample = pass * plan_.samples, camera.samples = plan_.samples;

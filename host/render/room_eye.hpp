@@ -23,7 +23,9 @@ struct RoomPass {
 
 class RoomEye {
  public:
-  RoomEye(const CameraScene &camera, const RoomPlan &plan, std::uint32_t seed, bool alone, std::size_t waves);
+  /// glass: glass_around the camera.
+  RoomEye(const CameraScene &camera, int glass, const RoomPlan &plan, std::uint32_t seed, bool alone,
+          std::size_t waves);
 
   /// Bytes on the device for one band.
   std::size_t device_bytes() const;
@@ -62,6 +64,7 @@ class RoomEye {
   void resample_lamps(int pass, RoomTracer &tracer, RoomPass &out);
 
   CameraScene from_;
+  int glass_;
   RoomPlan plan_;
   std::uint32_t seed_;
   bool alone_;

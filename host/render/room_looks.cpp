@@ -6,6 +6,7 @@
 #include "image/exr.hpp"
 #include "image/png.hpp"
 #include "render/room_sun.hpp"
+#include "scene/room_frame.hpp"
 #include "support/csv_table.hpp"
 #include "support/error.hpp"
 
@@ -128,6 +129,7 @@ class Builder {
     else shape = shape_of(from.colour);
     room_twin::Light light{};
     light.versine = 2;
+    light.glass = glass_around_light(scene_, number);
     light.limb = from.limb_darkening ? add_limb() : 0;
     place(from, light);
     double power_W = from.power_W;

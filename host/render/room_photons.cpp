@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 
 #include "render/room_looks.hpp"
 #include "support/error.hpp"
@@ -13,6 +14,7 @@ namespace {
 constexpr int first_chunk = 64;                 // photons that a work-item follows
 constexpr std::size_t most_doublings = 32;      // of its length, as a factor
 constexpr std::uint32_t fewest_photons = 4096;  // of a pass that is made smaller to fit
+constexpr double least_share = 0.05;            // of the photons that an even share would give a light
 
 double area_m2(const Surfaces &surfaces) {
   double area = 0;
@@ -86,6 +88,10 @@ void RoomPhotons::share_out(const PhotonBatch &batch, bool aimed) {
   std::vector<double> weights;
   for (std::size_t i = 0; i < looks_.lights.size(); ++i)
     weights.push_back(looks_.light_power_W_nm[i] * scene_.lights[i].photon_weight * (aimed ? aim_->share[i] : 1));
+  // A weak lamp may be all the light there is in its corner: each has a twentieth of an even share at least.
+  const double whole = std::accumulate(weights.begin(), weights.end(), 0.0);
+  for (double &weight : weights)
+    if (weight > 0) weight = std::max(weight, least_share * whole / static_cast<double>(weights.size()));
   share_photons(looks_, batch.photons, weights);
   tracer_.set_lights(looks_.lights);
 }

@@ -1,5 +1,6 @@
 #include "render/sky.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "support/angle.hpp"
@@ -44,6 +45,47 @@ void fill_entry(const SkyLight &light, const TransferTable &transfer, std::size_
 }
 
 }  // namespace
+
+LightOfPaths::LightOfPaths(const SkyLight &light, double distance_m) : light_(light) {
+  if (light.glow) light.glow->airlight(distance_m, elevation_rad_, rows_);
+}
+
+PathLight LightOfPaths::at(const Transfer &ray, std::size_t wave) const {
+  if (light_.sky.model == SkyScene::Model::academic) return {1, 0, 0};
+  const double passed = std::exp(-optical_depth(ray, light_.air[wave]));
+  if (!light_.glow) return {passed, 0, 0};
+  const double e = elevation_rad(ray);
+  const auto next = std::upper_bound(elevation_rad_.begin(), elevation_rad_.end(), e);
+  const auto k = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(
+      next - elevation_rad_.begin() - 1, 0, static_cast<std::ptrdiff_t>(elevation_rad_.size()) - 2));
+  const double width = std::max(elevation_rad_[k + 1] - elevation_rad_[k], 1e-300);
+  const double t = std::clamp((e - elevation_rad_[k]) / width, 0.0, 1.0);
+  const std::size_t padded = light_.glow->padded();
+  const float *below = &rows_[2 * k * padded + wave], *above = below + 2 * padded;
+  return {passed, below[0] + t * (above[0] - below[0]), below[padded] + t * (above[padded] - below[padded])};
+}
+
+double irradiance_on_upright(const SkyLight &light, double azimuth_rad, std::size_t wave) {
+  const SpectralAir &air = light.air[wave];
+  const SunPlace &sun = light.sun;
+  const Transfer &ray = light.towards_sun[wave];
+  const double outside = air.irradiance_outside(sun.radius_rad);
+  const double towards_eye = -std::cos(sun.azimuth_rad - azimuth_rad);  // cosine of the azimuths of Sun and surface
+  const double facing = std::cos(sun.true_altitude_rad) * towards_eye;
+  const bool direct = sun.shines && facing > 0 && ray.outcome == f64::RAY_SPACE &&
+                      std::abs(ray.true_altitude_rad - sun.true_altitude_rad) < sun.radius_rad;
+  const double by_sun = direct ? facing * outside * std::exp(-optical_depth(ray, air)) : 0;
+  if (!light.glow) return by_sun;
+  // Of light whose radiance is mean + 3 flux . direction a surface takes pi mean + 2 pi flux . normal.
+  const DiffuseLight &diffuse = light.glow->field().diffuse();
+  const DiffuseLight::Look look = diffuse.look(diffuse.at_height(0), sun.true_altitude_rad);
+  double mean = 0, sunward = 0;
+  for (std::size_t i = 0; i < look.row.size(); ++i) {
+    mean += look.weight[i] * look.row[i][wave];
+    sunward += look.weight[i] * look.row[i][2 * diffuse.padded() + wave];
+  }
+  return by_sun + outside * std::max(0.0, pi * mean + 2 * pi * sunward * towards_eye);
+}
 
 SkyTable make_sky_table(const SkyLight &light, const TransferTable &transfer, int waves) {
   const std::vector<SpectralAir> &air = light.air;

@@ -37,4 +37,25 @@ void set_azimuths(const SkyGlow *glow, f32::SkyView &view);
 /// Optical depth of a ray: Rayleigh, aerosol and ozone together.
 double optical_depth(const Transfer &ray, const SpectralAir &air);
 
+/// Light along paths to places at one distance along the surface: the share of a place's light that passes, and the
+/// light of the air before it, of which `aureole` is to be multiplied by the aerosol's phase function.
+struct PathLight {
+  double passed, isotropic, aureole;
+};
+class LightOfPaths {
+ public:
+  LightOfPaths(const SkyLight &light, double distance_m);
+  /// ray: columns up to there, and where it was sent (bending, and direction there).
+  PathLight at(const Transfer &ray, std::size_t wave) const;
+
+ private:
+  const SkyLight &light_;
+  std::vector<double> elevation_rad_;
+  std::vector<float> rows_;  // [elevations][glow, aureole][padded]
+};
+
+/// Irradiance [W m^-2 nm^-1] on an upright white surface at sea level that faces the eye from an azimuth (from the
+/// picture's centre): the Sun as the air leaves it, sky and sea by their mean light and its flux (DiffuseLight).
+double irradiance_on_upright(const SkyLight &light, double azimuth_rad, std::size_t wave);
+
 }  // namespace greenray

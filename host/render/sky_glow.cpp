@@ -206,8 +206,29 @@ SkyGlow::Place SkyGlow::find(double elevation_rad, bool to_space) const {
   return {&best->rows[k * row], &best->rows[(k + 1) * row], static_cast<float>(t)};
 }
 
-Airlight SkyGlow::airlight(double elevation_rad, double distance_m, double cos_azimuth) const {
-  return field_->airlight(elevation_rad, distance_m, sun_altitude_rad_, cos_azimuth, irradiance_);
+void SkyGlow::airlight(double distance_m, std::vector<double> &elevation_rad, std::vector<float> &rows) const {
+  const SkyOptics &optics = field_->optics();
+  const std::size_t n = padded();
+  elevation_rad.clear();
+  for (const Interval &i : intervals_)
+    elevation_rad.insert(elevation_rad.end(), i.elevation_rad.begin(), i.elevation_rad.end());
+  rows.assign(elevation_rad.size() * 2 * n, 0.0f);
+  const SunOfStart sun{std::sin(sun_altitude_rad_), std::cos(sun_altitude_rad_), 1 - (near_ + far_)};
+  for_pieces(elevation_rad.size(), 8, host_threads(), [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      const double e = elevation_rad[i];
+      const ScatterPath path = field_->line_of_sight(e, distance_m / std::max(std::cos(e), 1e-6));
+      float *glow = &rows[2 * i * n], *aureole = glow + n;
+      add_scattered(path, optics, field_->sources(), sun_altitude_rad_, sun.cos_azimuth, glow, aureole);
+      const double seen = e - path.places.back().bending_rad;
+      const double towards = sun.sine * std::sin(seen) + sun.cosine * std::cos(seen) * sun.cos_azimuth;
+      const double phase = aerosol_phase(std::min(towards, 1.0), optics.aerosol_asymmetry);
+      for (std::size_t w = 0; w < n; ++w) {
+        glow[w] *= static_cast<float>(irradiance_[w]);
+        aureole[w] *= static_cast<float>(irradiance_[w] / phase);
+      }
+    }
+  });
 }
 
 }  // namespace greenray

@@ -55,8 +55,9 @@ class SkyGlow {
   double slope2() const { return sea_ && sea_->has_waves() ? sea_->slope2() : 0; }
   std::size_t padded() const { return field_->optics().padded(); }
 
-  /// The air between the eye and a place, at one azimuth.
-  Airlight airlight(double elevation_rad, double distance_m, double cos_azimuth) const;
+  /// The air between the eye and a distance along the surface, at the middle azimuth: elevations of the table, and
+  /// [elevations][glow, aureole][padded] for them. A line that ends before counts to its end.
+  void airlight(double distance_m, std::vector<double> &elevation_rad, std::vector<float> &rows) const;
   const SkyField &field() const { return *field_; }
 
  private:

@@ -27,7 +27,8 @@ RowOfSight row_of_sight(const f32::SkyView &v, int sample) {
   return row;
 }
 
-void add_sample(SkyRays &rays, const SkyLight &light, const f32::SkyView &v, int sample, RowSums &sums) {
+void add_sample(SkyRays &rays, const SkyLight &light, const OwnRayTargets &own_targets, const RenderPlan &plan,
+                const f32::SkyView &v, int sample, RowSums &sums) {
   const RowOfSight row = row_of_sight(v, sample);
   std::vector<double> azimuths(row.azimuths_rad.begin(), row.azimuths_rad.end());
   azimuths.push_back(azimuths.back());
@@ -36,13 +37,21 @@ void add_sample(SkyRays &rays, const SkyLight &light, const f32::SkyView &v, int
   own.wavelengths = light.air.size();
   const int waves = static_cast<int>(light.air.size());
   const SkyTable sky = make_sky_table(light, own, waves);
+  TargetTable table;
+  if (own_targets.places)
+    table =
+        make_target_table(own_targets.scene, own_targets.shapes, light, plan.wavelengths_nm,
+                          trace_stations(*own_targets.places, row.elevations_rad, plan.station_m, azimuths), {}, waves);
+  const f32::Targets targets = table.view(waves);
   for (int column = 0; column < v.width; ++column) {
     const float half_azimuth = f32::sine_half_from_sun(&v, row.azimuths_rad[static_cast<std::size_t>(column)]);
     float band = 0, weight[SKY_MOST_AZIMUTHS];
     f32::azimuth_weights(&v, half_azimuth, weight);
     for (int w = 0; w < waves; ++w) {
-      const float radiance =
+      const float behind =
           f32::sky_radiance(&v, sky.values.data(), sky.limb.data(), waves, w, column, 0, half_azimuth, weight);
+      const float radiance = f32::before_targets(&v, &targets, behind, w, column, 0,
+                                                 row.azimuths_rad[static_cast<std::size_t>(column)], half_azimuth);
       sums.spectra[static_cast<std::size_t>(column * waves + w)] += radiance;
       band += radiance;
     }
@@ -53,14 +62,14 @@ void add_sample(SkyRays &rays, const SkyLight &light, const f32::SkyView &v, int
 
 }  // namespace
 
-void shade_with_own_rays(SkyRays &rays, const SkyLight &light, f32::SkyView view, const RenderPlan &plan,
-                         SkyPicture &picture, const std::function<void(double)> &progress) {
+void shade_with_own_rays(SkyRays &rays, const SkyLight &light, const OwnRayTargets &targets, f32::SkyView view,
+                         const RenderPlan &plan, SkyPicture &picture, const std::function<void(double)> &progress) {
   view.rows = 1;
   const auto width = static_cast<std::size_t>(picture.width());
   for (int row = 0; row < picture.height(); ++row) {
     view.first_row = plan.crop[1] + row;
     RowSums sums{std::vector<float>(width * light.air.size()), std::vector<float>(width * 2)};
-    for (int sample = 0; sample < plan.spp; ++sample) add_sample(rays, light, view, sample, sums);
+    for (int sample = 0; sample < plan.spp; ++sample) add_sample(rays, light, targets, plan, view, sample, sums);
     picture.keep(sums.view(), row, 1, plan.spp);
     progress(static_cast<double>(row + 1) / picture.height());
   }

@@ -76,6 +76,32 @@ void SkyPicture::describe(const f32::SkyView &view, const TransferTable &table) 
   });
 }
 
+void SkyPicture::describe_targets(const f32::SkyView &view, const TargetTable &table, const StationSights &sights) {
+  auto &distance = image_.channels["target_distance_m"], &height = image_.channels["target_height_m"];
+  distance.resize(image_.pixels());
+  height.resize(image_.pixels());
+  const int waves = static_cast<int>(table.light.size() / (f32::TARGET_LIGHT_FIRST + table.targets.size()));
+  const int wave = static_cast<int>(waves_ / 2);
+  const f32::Targets targets = table.view(waves);
+  const auto describe_pixel = [&](std::size_t i) {
+    const int x = static_cast<int>(i) % image_.width, y = static_cast<int>(i) / image_.width;
+    const f32::SkyDirection d =
+        f32::view_direction(&view, static_cast<float>(x + crop_[0]) + 0.5f, static_cast<float>(y + crop_[1]) + 0.5f);
+    const float at = std::clamp((d.elevation_rad - view.first_elevation_rad) * view.entries_per_rad, 0.0f,
+                                static_cast<float>(view.entries - 1));
+    const int entry = std::min(static_cast<int>(at), view.entries - 2);
+    const f32::TargetHit hit =
+        f32::nearest_target(&targets, wave, entry, at - static_cast<float>(entry), d.azimuth_rad);
+    if (hit.target < 0) return;
+    const auto station = static_cast<std::size_t>(table.targets[static_cast<std::size_t>(hit.target)].station);
+    distance[i] = static_cast<float>(sights.station_m[station]);
+    height[i] = hit.height_m;
+  };
+  for_pieces(image_.pixels(), piece, host_threads(), [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i) describe_pixel(i);
+  });
+}
+
 double relative_noise(const SkySums &sums, int samples) {
   double variance = 0, band = 0;
   for (std::size_t i = 0; i < sums.moments.size() / 2; ++i) {

@@ -2,6 +2,7 @@
 #pragma once
 #include "compute/sky_shader.hpp"
 #include "render/renderer.hpp"
+#include "render/targets.hpp"
 #include "render/transfer.hpp"
 
 namespace greenray {
@@ -17,6 +18,9 @@ class SkyPicture {
   void keep(const SkySums &sums, int first_row, int rows, int samples);
   /// Channels bending_arcsec, distance_m, min_height_m of the pixels' centres at the middle wavelength.
   void describe(const f32::SkyView &view, const TransferTable &table);
+  /// Channels target_distance_m, target_height_m: of the nearest target that covers at least half of the pixel's centre
+  /// at the middle wavelength, and of the ray above the surface there; 0 where there is none.
+  void describe_targets(const f32::SkyView &view, const TargetTable &targets, const StationSights &sights);
   /// RMS over pixels of the spectral mean's standard error, over the picture's mean.
   double noise_rms() const;
   SpectralImage take() { return std::move(image_); }

@@ -61,6 +61,7 @@ SkySight::SkySight(const Scene &scene, const RenderPlan &plan, const RenderOptio
   report_.build_seconds = seconds_since(begin);
   progress("rays");
   trace_table();
+  if (!plan_.station_m.empty()) trace_targets(scene);
 }
 
 /// Error of the table: its rays against those of a table thirty times finer, in double on the host. Error of the
@@ -140,6 +141,20 @@ void SkySight::trace_table() {
   report_.table_in_image = rays_->table_in_image();
   if (!measures_solver()) report_.solver_arcsec = to_arcsec(report_.trace.solver_error_rad);
   report_.emit_seconds = std::max(0.0, seconds_since(begin) - (device_->compile_seconds() - compiled_before));
+}
+
+/// Heights at every entry itself, not by the curve's: where a ray is at a distance may fold where its bending does not.
+void SkySight::trace_targets(const Scene &scene) {
+  const auto begin = Clock::now();
+  const double compiled_before = device_->compile_seconds();
+  places_.emplace(air_, plan_.bent_nm, ray_options(scene), plan_.section, device_);
+  std::vector<double> elevations, middles;
+  for (std::size_t e = 0; e < transfer_.entries; ++e) elevations.push_back(transfer_.elevation_rad(e));
+  for (const std::size_t e : probes_.below) middles.push_back(transfer_.elevation_rad(e) + 0.5 * transfer_.spacing_rad);
+  stations_ = trace_stations(*places_, elevations, plan_.station_m);
+  report_.target_arcsec = station_error_arcsec(stations_, transfer_.edges, probes_.below,
+                                               trace_stations(*places_, middles, plan_.station_m));
+  report_.emit_seconds += std::max(0.0, seconds_since(begin) - (device_->compile_seconds() - compiled_before));
 }
 
 std::vector<Transfer> SkySight::rays_at(double altitude_deg) {

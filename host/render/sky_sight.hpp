@@ -10,6 +10,7 @@
 #include "render/host_rays.hpp"
 #include "render/renderer.hpp"
 #include "render/sky_glow.hpp"
+#include "render/targets.hpp"
 #include "render/transfer.hpp"
 #include "render/transfer_curve.hpp"
 
@@ -29,6 +30,9 @@ class SkySight {
   const TransferProbes &probes() const { return probes_; }
   /// Light of the sky, wherever the Sun stands; null in an academic scene.
   const std::shared_ptr<const SkyField> &field() const { return field_; }
+  /// Where the entries' rays pass the targets of the scene; without targets empty.
+  const StationSights &stations() const { return stations_; }
+  SightPlaces &places() { return *places_; }
   /// Rays at one apparent altitude, [wavelengths of the picture].
   std::vector<Transfer> rays_at(double altitude_deg);
   /// Its part of a picture's report: cells, errors, rays, seconds.
@@ -37,6 +41,7 @@ class SkySight {
  private:
   void measure_table();
   void trace_table();
+  void trace_targets(const Scene &scene);
   bool measures_solver() const;
   HostRay finer_ray(double wavelength_nm) const;
   SkyRayOptions ray_options(const Scene &scene) const;
@@ -53,6 +58,8 @@ class SkySight {
   TransferTable transfer_;
   TransferProbes probes_;
   std::shared_ptr<const SkyField> field_;
+  std::optional<SightPlaces> places_;
+  StationSights stations_;
   RenderReport report_;
 };
 

@@ -3,47 +3,22 @@
 #include <tiny_obj_loader.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <sstream>
+
+#include "scene/obj_check.hpp"
 
 namespace greenray {
 namespace {
 
 constexpr std::size_t most_complaints = 20;
 
-/// Lines that begin with a keyword, in order; tinyobjloader calls back in the same order.
-struct KeywordLines {
-  std::vector<int> faces, uses, libraries;
-};
-
-bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-
-/// The words of a line up to a comment.
-std::vector<std::string_view> words_of(std::string_view line) {
-  std::vector<std::string_view> words;
-  for (std::size_t i = 0; i < line.size();) {
-    while (i < line.size() && is_space(line[i])) ++i;
-    const std::size_t begin = i;
-    while (i < line.size() && !is_space(line[i])) ++i;
-    if (i > begin) words.push_back(line.substr(begin, i - begin));
-  }
-  return words;
-}
-
-bool is_number(std::string_view word) {
-  if (!word.empty() && word.front() == '+') word.remove_prefix(1);
-  double value = 0;
-  const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
-  return code == std::errc() && end == word.data() + word.size() && std::isfinite(value);
-}
-
 class Reader {
  public:
   Reader(const std::string &file, const FindText &find) : file_(file), find_(find) {}
 
   ObjMesh read(const std::string &text) {
-    scan(text);
+    lines_ = check_obj(file_, text, diagnostics_);
     if (!diagnostics_.empty()) throw InputError(diagnostics_);
     tinyobj::callback_t callback;
     callback.vertex_cb = [](void *me, double x, double y, double z, double) { self(me).places_.push_back({x, y, z}); };
@@ -77,6 +52,7 @@ class Reader {
         return true;
       }
       ++libraries;
+      owner.material_lines_ = check_mtl(name, *text, owner.diagnostics_);
       std::istringstream stream(*text);
       const std::size_t before = materials->size();
       tinyobj::LoadMtl(ids, materials, &stream, warning, error);
@@ -89,27 +65,6 @@ class Reader {
 
   void complain(int line, const std::string &message) {
     if (diagnostics_.size() < most_complaints) diagnostics_.push_back({{file_, line, 1}, message});
-  }
-
-  /// Notes where keywords stand, and looks at the numbers, which tinyobjloader reads without complaint.
-  void scan(const std::string &text) {
-    int number = 0;
-    std::istringstream lines(text);
-    for (std::string line; std::getline(lines, line);) {
-      ++number;
-      const std::vector<std::string_view> words = words_of(line);
-      if (words.empty()) continue;
-      if (words[0] == "f") lines_.faces.push_back(number);
-      if (words[0] == "usemtl") lines_.uses.push_back(number);
-      if (words[0] == "mtllib") lines_.libraries.push_back(number);
-      const std::size_t needed = words[0] == "v" || words[0] == "vn" ? 3 : words[0] == "vt" ? 1 : 0;
-      if (needed == 0) continue;
-      const bool right =
-          words.size() > needed &&
-          std::all_of(words.begin() + 1, words.begin() + 1 + static_cast<std::ptrdiff_t>(needed), is_number);
-      if (!right)
-        complain(number, "expected " + std::to_string(needed) + " number(s) after '" + std::string(words[0]) + "'");
-    }
   }
 
   void use(const std::string &name) {
@@ -234,29 +189,23 @@ class Reader {
     if (m.name.empty()) return;  // tinyobjloader's own default
     MtlMaterial out;
     out.material.name = m.name;
-    out.material.place = {file, 1, 1};
+    const auto line = material_lines_.find(m.name);
+    out.material.place = {file, line == material_lines_.end() ? 1 : line->second, 1};
     using Kind = MaterialScene::Kind;
     const bool mirror = m.illum == 3 || m.illum == 5 || m.illum == 8;
     const bool glass = m.illum == 4 || m.illum == 6 || m.illum == 7 || m.illum == 9 || m.dissolve < 1;
     out.material.kind = glass ? Kind::dielectric : mirror ? Kind::mirror : Kind::lambert;
     out.material.reflectance = {Colour::Kind::rgb, mirror ? triple(m.specular) : triple(m.diffuse), 6500};
     if (glass) out.material.index.b = {m.ior > 1 ? m.ior : 1.5};
-    for (double &x : out.material.reflectance.rgb) {
-      if (x < 0 || x > 1)
-        complain_in(file, "'" + m.name + "': expected reflectances from 0 to 1, found " + std::to_string(x));
-      x = std::clamp(x, 0.0, 1.0);
-    }
     out.texture = m.diffuse_texname;
     out.emitted = triple(m.emission);
     mesh_.materials.push_back(out);
   }
-  void complain_in(const std::string &file, const std::string &message) {
-    if (diagnostics_.size() < most_complaints) diagnostics_.push_back({{file, 1, 1}, message});
-  }
 
   std::string file_;
   const FindText &find_;
-  KeywordLines lines_;
+  ObjLines lines_;
+  std::map<std::string, int> material_lines_;  // of the library that is read
   std::size_t faces_ = 0, uses_ = 0;
   int material_ = -1;
   std::vector<Triple> places_, normals_;

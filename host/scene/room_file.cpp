@@ -31,14 +31,17 @@ void read_field(const TomlTable &field, ProfileSpec &air) {
   const std::pair<const char *, Limits> kinds[] = {
       {"temperature_C", {-200, 3000, "deg C"}}, {"temperature_K", {50, 3300, "K"}}, {"refractivity", {-0.9, 10}}};
   std::string key;
+  bool is_told = false;
   for (const auto &[name, limits] : kinds) {
     std::vector<double> found;
+    is_told |= field.has(name);
     if (!field.read(name, found, limits)) continue;
     if (!key.empty())
       field.complain(name, "expected one of temperature_C, temperature_K and refractivity, found " + key + " too");
     key = name, value = found;
   }
   if (key.empty()) {
+    if (is_told) return;  // and found wrong
     field.require("temperature_C", "temperatures (or temperature_K, or refractivity), one for each height");
     return;
   }

@@ -149,7 +149,7 @@ class SurfaceReader {
                        read_triple(row, "edge_v", v, anywhere);
     const int material = materials_.of_row(row);
     if (right && length(cross(u, v)) <= 1e-12 * length(u) * length(v))
-      return row.complain("edge_v", "expected edges that span an area");
+      row.complain("edge_v", "expected edges that span an area");
     add(row, quad(corner, u, v, material));
   }
 

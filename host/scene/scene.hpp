@@ -8,6 +8,7 @@
 
 #include "atmosphere/profile_spec.hpp"
 #include "scene/sweeps.hpp"
+#include "scene/target_scene.hpp"
 
 namespace greenray {
 
@@ -106,6 +107,7 @@ struct Scene {
   TracingScene tracing;
   EyeScene eye;
   OutputScene output;
+  std::vector<TargetScene> targets;
   std::vector<SweepScene> sweeps;  // used by `greenray batch`
   std::vector<std::string> notes;  // warnings to print once
 };

@@ -8,6 +8,7 @@
 #include "atmosphere/profile_file.hpp"
 #include "scene/absorbers_file.hpp"
 #include "scene/ephemeris.hpp"
+#include "scene/target_file.hpp"
 #include "support/embedded.hpp"
 #include "support/toml_reader.hpp"
 
@@ -236,6 +237,7 @@ Scene parse_scene(const std::string &file, std::string_view text, const std::vec
   read_tracing(root.table("tracing"), scene.tracing);
   read_eye(root.table("eye"), scene.eye);
   read_output(root.table("output"), scene.output);
+  read_targets(root, fs::path(file).parent_path().string(), scene);
   scene.sweeps = read_sweeps(document, root);
   document.finish();
   return scene;

@@ -1,6 +1,8 @@
 // scene_hash: one number for everything that changes the picture.
 #include <cstdint>
 #include <cstdio>
+#include <fstream>
+#include <iterator>
 
 #include "atmosphere/air_section.hpp"
 #include "scene/scene_file.hpp"
@@ -137,6 +139,24 @@ void add(Fingerprint &print, const SpectrumScene &spectrum, const TracingScene &
   for (const double x : {eye.ldmax_cd_m2, eye.contrast, eye.magnification, eye.age_years}) print.add("eye.number", x);
 }
 
+/// Nothing is added for a scene without targets: its hash is what it always was.
+void add(Fingerprint &print, const TargetScene &target) {
+  print.add_choice("target.kind", target.kind);
+  print.add("target.distance_m", target.distance_m);
+  print.add("target.azimuth_deg", target.azimuth_deg);
+  print.add("target.offset_m", target.offset_m);
+  print.add("target.base_m", target.base_m);
+  print.add("target.width_m", target.width_m);
+  print.add("target.height_m", target.height_m);
+  for (const auto &corner : target.outline_m)
+    for (const double x : corner) print.add("target.outline_m", x);
+  for (const double part : target.colour) print.add("target.colour", part);
+  print.add("target.luminance_cd_m2", target.luminance_cd_m2);
+  if (target.picture.empty()) return;
+  std::ifstream file(target.picture, std::ios::binary);
+  print.add("target.picture", std::string(std::istreambuf_iterator<char>(file), {}));
+}
+
 }  // namespace
 
 std::string scene_hash(const Scene &scene) {
@@ -145,6 +165,7 @@ std::string scene_hash(const Scene &scene) {
   add(print, scene.observer, scene.sun, scene.sky);
   add(print, scene.spectrum, scene.tracing, scene.eye);
   print.add_choice("output.spectral", scene.output.spectral);
+  for (const TargetScene &target : scene.targets) add(print, target);
   return print.hex();
 }
 

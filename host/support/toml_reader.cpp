@@ -180,6 +180,30 @@ bool TomlTable::read(const std::string &key, std::vector<double> &into, const Li
   return right;
 }
 
+bool TomlTable::read_pairs(const std::string &key, std::vector<std::array<double, 2>> &into,
+                           const Limits &limits) const {
+  const toml::node *node = find(key);
+  if (!node) return false;
+  const std::string expected = "an array of pairs [x, y], each " + limits.text();
+  const toml::array *array = node->as_array();
+  if (!array) return wrong(key, *node, expected), false;
+  std::vector<std::array<double, 2>> pairs;
+  bool right = true;
+  for (const toml::node &element : *array) {
+    const toml::array *pair = element.as_array();
+    if (!pair || pair->size() != 2) {
+      wrong(key, element, expected);
+      right = false;
+      continue;
+    }
+    std::array<double, 2> values{};
+    for (std::size_t i = 0; i < 2; ++i) right &= to_number(key, *pair->get(i), values[i], limits);
+    pairs.push_back(values);
+  }
+  if (right) into = std::move(pairs);
+  return right;
+}
+
 std::optional<std::size_t> TomlTable::word_index(const std::string &key, const std::vector<std::string> &names) const {
   const toml::node *node = find(key);
   if (!node) return std::nullopt;

@@ -6,6 +6,7 @@
 #endif
 #include <toml++/impl/forward_declarations.h>
 
+#include <array>
 #include <map>
 #include <memory>
 #include <optional>
@@ -62,6 +63,8 @@ class TomlTable {
   bool read(const std::string &key, UtcTime &into) const;
   /// All numbers of an array; wrong elements are complained about one by one.
   bool read(const std::string &key, std::vector<double> &into, const Limits &limits) const;
+  /// All pairs of an array [[x, y], ..]; wrong elements are complained about one by one.
+  bool read_pairs(const std::string &key, std::vector<std::array<double, 2>> &into, const Limits &limits) const;
 
   /// All words of an array; those not allowed are complained about one by one.
   bool read(const std::string &key, std::vector<std::string> &into, const std::vector<std::string> &allowed) const;

@@ -8,6 +8,9 @@
 #include "shared/sky.h"
 #include "sky/sky.h"
 
+#include "shared/target.h"
+#include "sky/target.h"
+
 #include "ray/closed_form.h"
 
 #include "ray/closed_form_path.h"

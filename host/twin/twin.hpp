@@ -47,5 +47,6 @@ static_assert(sizeof(f32::RayEnd) == 72 && sizeof(f64::RayEnd) == 128);
 static_assert(sizeof(f32::Layer) == 88 && sizeof(f64::Layer) == 176);
 static_assert(sizeof(f32::FarNode) == 28 && sizeof(f64::FarNode) == 56);
 static_assert(sizeof(f32::LayerRow) == 24 && sizeof(f64::LayerRow) == 48);
+static_assert(sizeof(f32::Target) == 48 && sizeof(f32::TargetTexel) == 16);
 static_assert(sizeof(f32::Absorbers) == 16 && sizeof(f64::Absorbers) == 32);
 }  // namespace greenray

@@ -3,6 +3,9 @@
 
 #include "lib/lane_bits.h"
 #include "lib/lanes.h"
+#if LANES == 8
+#include "lib/transpose.h"
+#endif
 #include "lib/vec3.h"
 
 #include "lib/pack.h"
@@ -48,9 +51,9 @@ __kernel void file_photons(__global const Photon *photons, __global const float 
   if (bucket >= plan.buckets) return;
   const FiledArrays map = {cell_start, boxes, x_m, y_m, z_m, normal, map_power_W, order, stride};
   const int first = bucket_start[bucket], last = bucket_start[bucket + 1];
-  sort_bucket(&plan, moved, starts, first, cell_start, order, bucket);
+  const int fullest = sort_bucket(&plan, moved, starts, first, cell_start, order, bucket);
   if (filing->unsorted) sort_cells_by_emission(&plan, photons, moved, cell_start, order, first, bucket);
-  if (last - first >= DENSE) order_dense_cells(&plan, &map, moved, first, bucket);
+  if (fullest >= DENSE) order_dense_cells(&plan, &map, moved, first, bucket);
   write_photons(&map, moved, power_W, first, last);
   if (bucket == plan.buckets - 1) write_zeros(&map, last);
 }

@@ -76,4 +76,23 @@ __kernel void place_rays(__global const Layer *above, __global const Layer *belo
   place_rays_at(&air, SPREAD(sines[ray]), SPREAD(cosines[ray]), distance_m,
                 ends + (ray * (int)get_global_size(1) + row) * distances + first, 1, distances - first);
 }
+
+/* The same for few distances of many rays: LANES rays at one distance side by side. */
+__kernel void place_rays_abreast(__global const Layer *above, __global const Layer *below, __global const FarNode *far,
+                                 __global const LayerRow *rows, const int4 counts, __global const scalar *sines,
+                                 __global const scalar *cosines, __global const scalar *distances_m,
+                                 __global RayEnd *ends, const int distances, const int elevations) {
+  const int first = (int)get_global_id(0) * LANES, row = (int)get_global_id(1), place = (int)get_global_id(2);
+  if (first >= elevations) return;
+  real sine, cosine;
+  for (int i = 0; i < LANES; ++i) {
+    const int at = min(first + i, elevations - 1);
+    LANE(sine, i) = sines[at];
+    LANE(cosine, i) = cosines[at];
+  }
+  const LayeredAir air = air_of_row(above, below, far, rows, counts, row);
+  const int stride = (int)get_global_size(1) * distances;
+  place_rays_at(&air, sine, cosine, SPREAD(distances_m[place]), ends + first * stride + row * distances + place, stride,
+                elevations - first);
+}
 #endif

@@ -5,12 +5,27 @@
 #include "shared/sky.h"
 #include "sky/sky.h"
 
+#if defined(WITH_TARGETS)
+#include "shared/target.h"
+#include "sky/target.h"
+#endif
+
 __kernel void shade_sky(__global const float *table, __global const float *limb, __global float *spectra,
-                        __global float *moments, const SkyView view) {
+                        __global float *moments, const SkyView view
+#if defined(WITH_TARGETS)
+                        ,
+                        __global const float *sight, __global const Target *target_rows, __global const float *corners,
+                        __global const float *target_light, __global const TargetTexel *texels, const int2 target_counts
+#endif
+) {
   const int pixel = (int)get_global_id(0);
   if (pixel >= view.width * view.rows) return;
   const int column = view.first_column + pixel % view.width, row = view.first_row + pixel / view.width;
   const int waves = SKY_WAVES;
+#if defined(WITH_TARGETS)
+  const Targets targets = {sight,  target_rows,     corners,         target_light,
+                           texels, target_counts.x, target_counts.y, SKY_WAVES};
+#endif
   real sum[SKY_WAVES / LANES];
   for (int g = 0; g < SKY_WAVES / LANES; ++g) sum[g] = SPREAD(0);
   float mean = 0.0f, square = 0.0f;
@@ -32,8 +47,12 @@ __kernel void shade_sky(__global const float *table, __global const float *limb,
       azimuth_weights(&view, LANE(half_azimuth, i), weight);
       real band = SPREAD(0);
       for (int g = 0; g < SKY_WAVES / LANES; ++g) {
-        const real radiance =
+        real radiance =
             sky_radiance(&view, table, limb, waves, g * LANES, entry, at - (float)entry, LANE(half_azimuth, i), weight);
+#if defined(WITH_TARGETS)
+        radiance = before_targets(&view, &targets, radiance, g * LANES, entry, at - (float)entry,
+                                  LANE(d.azimuth_rad, i), LANE(half_azimuth, i));
+#endif
         sum[g] += radiance;
         band += radiance;
       }

@@ -7,7 +7,7 @@
    The boxes of a cell stand in an array of one number for each photon, where the cell's photons have theirs: nodes of
    NODE_SIZE floats, those above blocks first: low x of the FAN children, high x, low y, high y, low z, high z. */
 
-#define DENSE 513
+#define DENSE 1025
 #define BLOCK 32
 #define FAN 8
 #define NODE_SIZE (6 * FAN)

@@ -66,20 +66,61 @@ DEVICE void note_order(ChunkOrder *order, unsigned int id, unsigned int bounce) 
   ++order->photons;
 }
 
-/* Cells of LANES photons, of `left` that there are. Empty slots and photons that are nowhere: plan->cells. */
-DEVICE mask cells_of_photons(const SortPlan *plan, const PhotonGrid *grid, GLOBAL const Photon *photons, int left) {
+/* LANES photons. */
+typedef struct PhotonLanes {
   real x, y, z;
-  mask kind;
+  mask id, tags;
+} PhotonLanes;
+
+/* Of `left` that there are; beyond them the first again. */
+DEVICE PhotonLanes read_photons(GLOBAL const Photon *photons, int left) {
+  PhotonLanes lanes;
+#if LANES == 8 && defined(__OPENCL_C_VERSION__)
+#define RECORD(l) vload8(0, (GLOBAL const uint *)(photons + (l < left ? l : 0)))
+  Words8 words = {RECORD(0), RECORD(1), RECORD(2), RECORD(3), RECORD(4), RECORD(5), RECORD(6), RECORD(7)};
+#undef RECORD
+  transpose(&words);
+  lanes.x = as_float8(words.a), lanes.y = as_float8(words.b), lanes.z = as_float8(words.c);
+  lanes.id = as_int8(words.g), lanes.tags = as_int8(words.h);
+#else
   for (int l = 0; l < LANES; ++l) {
     GLOBAL const Photon *photon = photons + (l < left ? l : 0);
-    LANE(x, l) = photon->place_m[0];
-    LANE(y, l) = photon->place_m[1];
-    LANE(z, l) = photon->place_m[2];
-    LANE_INT(kind, l) = (int)PHOTON_KIND(photon->tags);
+    LANE(lanes.x, l) = photon->place_m[0];
+    LANE(lanes.y, l) = photon->place_m[1];
+    LANE(lanes.z, l) = photon->place_m[2];
+    LANE_INT(lanes.id, l) = (int)photon->id;
+    LANE_INT(lanes.tags, l) = (int)photon->tags;
   }
-  const real sum = x + y + z;
-  const mask is_somewhere = (kind != PHOTON_NONE) & (sum - sum == 0);
-  return is_somewhere ? cells_of(grid, x, y, z) : SPREAD_INT(plan->cells);
+#endif
+  return lanes;
+}
+
+/* Empty slots and photons that are nowhere: plan->cells. */
+DEVICE mask cells_of_photons(const SortPlan *plan, const PhotonGrid *grid, const PhotonLanes *lanes) {
+  const real sum = lanes->x + lanes->y + lanes->z;
+  const mask is_somewhere = ((lanes->tags >> 16) != PHOTON_NONE) & (sum - sum == 0);
+  return is_somewhere ? cells_of(grid, lanes->x, lanes->y, lanes->z) : SPREAD_INT(plan->cells);
+}
+
+/* The first `here` of the lanes, those without a cell apart. */
+DEVICE void note_order_of(ChunkOrder *order, const SortPlan *plan, const PhotonLanes *lanes, mask cells, int here) {
+#if LANES == 8 && defined(__OPENCL_C_VERSION__)
+  if (here == 8 && !any_lane(cells == plan->cells)) {
+    const uint8 id = as_uint8(lanes->id), bounce = PHOTON_BOUNCE(as_uint8(lanes->tags));
+    const uint8 id_before =
+                    (uint8)(order->photons ? order->last_id : 0, id.s0, id.s1, id.s2, id.s3, id.s4, id.s5, id.s6),
+                bounce_before = (uint8)(order->photons ? order->last_bounce : 0, bounce.s0, bounce.s1, bounce.s2,
+                                        bounce.s3, bounce.s4, bounce.s5, bounce.s6);
+    order->unsorted |= any_lane((id < id_before) | ((id == id_before) & (bounce < bounce_before)));
+    if (order->photons == 0) order->first_id = id.s0, order->first_bounce = bounce.s0;
+    order->last_id = id.s7, order->last_bounce = bounce.s7;
+    order->photons += 8;
+    return;
+  }
+#endif
+  for (int l = 0; l < here; ++l)
+    if (LANE_INT(cells, l) != plan->cells)
+      note_order(order, (unsigned int)LANE_INT(lanes->id, l), PHOTON_BOUNCE((unsigned int)LANE_INT(lanes->tags, l)));
 }
 
 /* One chunk by bucket. start[row]: where the pieces of the buckets begin in `moved`, and behind the last one its end.
@@ -93,14 +134,14 @@ DEVICE ChunkOrder deal_chunk(const SortPlan *plan, const PhotonGrid *grid, GLOBA
   ChunkOrder order = {0, 0, 0, 0, 0, 0};
   for (int b = 0; b < plan->row; ++b) start[b] = 0;
   for (int i = first; i < last; i += LANES) {
-    mask group = cells_of_photons(plan, grid, photons + i, last - i);
     const int here = last - i < LANES ? last - i : LANES;
+    const PhotonLanes lanes = read_photons(photons + i, here);
+    mask group = cells_of_photons(plan, grid, &lanes);
+    note_order_of(&order, plan, &lanes, group, here);
     for (int l = 0; l < here; ++l) {
       const int cell = LANE_INT(group, l);
       cells[i + l] = cell;
-      if (cell == plan->cells) continue;
-      ++start[(cell >> plan->shift) + 1];
-      note_order(&order, photons[i + l].id, PHOTON_BOUNCE(photons[i + l].tags));
+      if (cell != plan->cells) ++start[(cell >> plan->shift) + 1];
     }
   }
   int sum = first;
@@ -111,6 +152,7 @@ DEVICE ChunkOrder deal_chunk(const SortPlan *plan, const PhotonGrid *grid, GLOBA
     sum += count;
   }
   for (int i = first; i < last; ++i) {
+    FETCH_EARLY(photons + i + 16); /* a second time: a chunk is larger than the second-level cache */
     const int cell = cells[i];
     if (cell == plan->cells) continue;
     const int to = start[(cell >> plan->shift) + 1]++;

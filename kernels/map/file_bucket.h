@@ -41,11 +41,33 @@ DEVICE void sort_by_emission(GLOBAL const Photon *photons, GLOBAL const MovedPho
   }
 }
 
-/* places[photon of the map] = its number among the moved ones; starts of the bucket's cells.
+/* next[count] photons of each cell -> where each begins, the first at `sum`. Returns the photons of the fullest.
+   Most cells of a room are empty: they are passed LANES at a time. */
+DEVICE int scan_cells(GLOBAL int *next, int count, int sum) {
+  int fullest = 0;
+  for (int k = 0; k < count;) {
+    if (k + LANES <= count && !any_lane(load_ints(next + k) != 0)) {
+      store_ints(next + k, SPREAD_INT(sum));
+      k += LANES;
+      continue;
+    }
+    const int end = k + LANES < count ? k + LANES : count;
+    for (; k < end; ++k) {
+      const int here = next[k];
+      fullest = here > fullest ? here : fullest;
+      next[k] = sum;
+      sum += here;
+    }
+  }
+  return fullest;
+}
+
+/* places[photon of the map] = its number among the moved ones; starts of the bucket's cells. Returns the photons of its
+   fullest cell.
    While it counts and sorts, cell_start[k + 1] is what cell k has, then where its next photon goes; at the end that is
    the start of k + 1. */
-DEVICE void sort_bucket(const SortPlan *plan, GLOBAL const MovedPhoton *moved, GLOBAL const int *starts, int filed,
-                        GLOBAL int *cell_start, GLOBAL unsigned int *places, int bucket) {
+DEVICE int sort_bucket(const SortPlan *plan, GLOBAL const MovedPhoton *moved, GLOBAL const int *starts, int filed,
+                       GLOBAL int *cell_start, GLOBAL unsigned int *places, int bucket) {
   const int low = bucket << plan->shift, above = (bucket + 1) << plan->shift;
   const int high = above < plan->cells ? above : plan->cells;
   GLOBAL int *next = cell_start + 1;
@@ -59,16 +81,12 @@ DEVICE void sort_bucket(const SortPlan *plan, GLOBAL const MovedPhoton *moved, G
       ++next[moved[i].cell];
     }
   }
-  int sum = filed;
-  for (int k = low; k < high; ++k) {
-    const int count = next[k];
-    next[k] = sum;
-    sum += count;
-  }
+  const int fullest = scan_cells(next + low, high - low, filed);
   for (int c = 0; c < plan->chunks; ++c) {
     const int last = starts[c * plan->row + bucket + 1];
     for (int i = starts[c * plan->row + bucket]; i < last; ++i) places[next[moved[i].cell]++] = (unsigned int)i;
   }
+  return fullest;
 }
 
 DEVICE void sort_cells_by_emission(const SortPlan *plan, GLOBAL const Photon *photons, GLOBAL const MovedPhoton *moved,
@@ -97,22 +115,53 @@ DEVICE void order_dense_cells(const SortPlan *plan, const FiledArrays *map, GLOB
   }
 }
 
+DEVICE void write_photon(const FiledArrays *map, GLOBAL const MovedPhoton *moved, GLOBAL const float *power_W, int i) {
+  GLOBAL const MovedPhoton *photon = moved + map->order[i];
+  map->x_m[i] = photon->place_m[0];
+  map->y_m[i] = photon->place_m[1];
+  map->z_m[i] = photon->place_m[2];
+  map->normal[i] = photon->normal;
+  map->order[i] = photon->index;
+#if WAVES <= 2
+  for (int w = 0; w < WAVES; ++w) map->power_W[w * map->stride + i] = photon->power_W[w];
+#else
+  for (int w = 0; w < WAVES; ++w) map->power_W[w * map->stride + i] = power_W[photon->index * WAVES + w];
+#endif
+}
+
+#if LANES == 8 && defined(__OPENCL_C_VERSION__)
+#define RECORD(l) vload8(0, (GLOBAL const uint *)(moved + map->order[i + l]))
+#define WORD_TO(array, words) vstore8(words, 0, (GLOBAL uint *)(array) + i)
+DEVICE void write_eight_photons(const FiledArrays *map, GLOBAL const MovedPhoton *moved, GLOBAL const float *power_W,
+                                int i) {
+  Words8 words = {RECORD(0), RECORD(1), RECORD(2), RECORD(3), RECORD(4), RECORD(5), RECORD(6), RECORD(7)};
+  transpose(&words);
+  WORD_TO(map->x_m, words.a);
+  WORD_TO(map->y_m, words.b);
+  WORD_TO(map->z_m, words.c);
+  WORD_TO(map->order, words.d);
+  WORD_TO(map->normal, words.e);
+#if WAVES <= 2
+  WORD_TO(map->power_W, words.g);
+  if (WAVES == 2) WORD_TO(map->power_W + map->stride, words.h);
+#else
+  for (int l = 0; l < 8; ++l)
+    for (int w = 0; w < WAVES; ++w) map->power_W[w * map->stride + i + l] = power_W[map->order[i + l] * WAVES + w];
+#endif
+}
+#undef RECORD
+#undef WORD_TO
+#endif
+
 /* Photons first .. last - 1 of the map. order[]: places among the moved ones before, numbers of records afterwards. */
 DEVICE void write_photons(const FiledArrays *map, GLOBAL const MovedPhoton *moved, GLOBAL const float *power_W,
                           int first, int last) {
-  for (int i = first; i < last; ++i) {
-    GLOBAL const MovedPhoton *photon = moved + map->order[i];
-    map->x_m[i] = photon->place_m[0];
-    map->y_m[i] = photon->place_m[1];
-    map->z_m[i] = photon->place_m[2];
-    map->normal[i] = photon->normal;
-    map->order[i] = photon->index;
-#if WAVES <= 2
-    for (int w = 0; w < WAVES; ++w) map->power_W[w * map->stride + i] = photon->power_W[w];
-#else
-    for (int w = 0; w < WAVES; ++w) map->power_W[w * map->stride + i] = power_W[photon->index * WAVES + w];
+  int i = first;
+#if LANES == 8 && defined(__OPENCL_C_VERSION__)
+  for (; i < last && i % 8 != 0; ++i) write_photon(map, moved, power_W, i); /* whole cache lines from here on */
+  for (; i + 8 <= last; i += 8) write_eight_photons(map, moved, power_W, i);
 #endif
-  }
+  for (; i < last; ++i) write_photon(map, moved, power_W, i);
 }
 
 DEVICE void write_zeros(const FiledArrays *map, int first) {

@@ -1,4 +1,5 @@
-/* Where a ray is after a distance along the surface, in closed form: place, direction, bending and optical path.
+/* Where a ray is after a distance along the surface, in closed form: place, direction, bending, optical path and the
+   columns up to there.
 
    A ray goes out from the eye on one side, comes back mirrored if it turns there, and goes out on the other; one that
    turns on both sides repeats itself, however long its way. So a place is a place on one side's way out, and inside its
@@ -7,7 +8,7 @@
 
 /* On one side's way out; quantities and distance as in LayerSums (distance over cos e0). */
 typedef struct LayerPlace {
-  real value[3]; /* LAYER_BENDING, LAYER_DISTANCE, LAYER_PATH */
+  real value[LAYER_QUANTITIES];
   real z_m, sine2, lift;
 } LayerPlace;
 
@@ -35,7 +36,7 @@ DEVICE real fraction_at(GLOBAL const Layer *layer, const LayerSine *s, real dist
 /* The place at `wanted`, or at the end of that side, whichever comes first. */
 DEVICE void find_place(LayerPlace *p, GLOBAL const Layer *layers, int count, real eye_m, real sine2, real cosine2,
                        real wanted) {
-  for (int q = 0; q < 3; ++q) p->value[q] = SPREAD(0);
+  for (int q = 0; q < LAYER_QUANTITIES; ++q) p->value[q] = SPREAD(0);
   p->z_m = eye_m;
   p->lift = SPREAD(0);
   mask open = wanted > R(0);
@@ -57,7 +58,7 @@ DEVICE void find_place(LayerPlace *p, GLOBAL const Layer *layers, int count, rea
       f.bow = here ? part.bow : f.bow;
       reach = here ? at : SPREAD(1);
     }
-    for (int q = 0; q < 3; ++q) p->value[q] += open ? part_value(layer, f, q) : SPREAD(0);
+    for (int q = 0; q < LAYER_QUANTITIES; ++q) p->value[q] += open ? part_value(layer, f, q) : SPREAD(0);
     p->z_m = open ? p->z_m + reach * (layer->far_m - p->z_m) : p->z_m;
     const LayerSine lift = layer_sine(near_lift, SPREAD(layer->lift), SPREAD(layer->bulge), SPREAD(layer->skew));
     p->lift = open ? sine2_at(&lift, reach) : p->lift;
@@ -73,13 +74,13 @@ typedef struct LayerLeg {
   mask mirrored; /* on the way back */
   mask ended;    /* beyond the end of a side where the ray does not turn */
   real wanted;   /* distance from the eye on that side, on the way out */
-  real before[3];
+  real before[LAYER_QUANTITIES];
   mask turning_points;
 } LayerLeg;
 
 DEVICE LayerLeg leg_at(const LayerPath *p, real wanted) {
-  real a[3], b[3];
-  for (int q = 0; q < 3; ++q) {
+  real a[LAYER_QUANTITIES], b[LAYER_QUANTITIES];
+  for (int q = 0; q < LAYER_QUANTITIES; ++q) {
     a[q] = p->rising ? p->up.value[q] : p->down.value[q];
     b[q] = p->rising ? p->down.value[q] : p->up.value[q];
   }
@@ -95,7 +96,7 @@ DEVICE LayerLeg leg_at(const LayerPath *p, real wanted) {
   leg.mirrored = second | !(on_a | third);
   leg.wanted = first ? x : second ? R(2) * to_a - x : third ? x - R(2) * to_a : R(2) * (to_a + to_b) - x;
   leg.ended = (first & (x > to_a)) | (third & (x > R(2) * to_a + to_b));
-  for (int q = 0; q < 3; ++q)
+  for (int q = 0; q < LAYER_QUANTITIES; ++q)
     leg.before[q] = cycles * R(2) * (a[q] + b[q]) + (first          ? SPREAD(0)
                                                      : on_a | third ? R(2) * a[q]
                                                                     : R(2) * (a[q] + b[q]));
@@ -115,8 +116,8 @@ DEVICE void place_rays_at(const LayeredAir *air, real sine, real cosine, real di
   const mask up = leg.upward;
   find_place(&above, air->above, air->above_count, eye_m, sine2, cosine2, up ? leg.wanted : SPREAD(0));
   find_place(&below, air->below, air->below_count, eye_m, sine2, cosine2, up ? SPREAD(0) : leg.wanted);
-  real value[3];
-  for (int q = 0; q < 3; ++q) {
+  real value[LAYER_QUANTITIES];
+  for (int q = 0; q < LAYER_QUANTITIES; ++q) {
     const real way = up ? above.value[q] : below.value[q];
     value[q] = leg.before[q] + (leg.mirrored ? -way : way);
   }
@@ -136,7 +137,7 @@ DEVICE void place_rays_at(const LayeredAir *air, real sine, real cosine, real di
     end.sigma_m = LANE(value[LAYER_DISTANCE], i) / air->row.index_eye;
     end.bending_rad = LANE(bending, i);
     end.optical_path_m = LANE(value[LAYER_PATH], i);
-    end.column[0] = end.column[1] = end.column[2] = 0;
+    for (int k = 0; k < 3; ++k) end.column[k] = LANE(value[LAYER_AIR + k], i);
     end.solver_error_rad = end.bouguer_drift = 0;
     end.cell = end.steps = end.rejected = 0;
     end.outcome = (int)LANE_INT(outcome, i);

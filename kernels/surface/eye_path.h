@@ -14,6 +14,7 @@ typedef struct EyeCamera {
   int first_sample, samples;   /* of each pixel in this launch */
   int most_bounces;
   int alone; /* as in PhotonSettings */
+  int glass; /* as in Light */
 } EyeCamera;
 
 /* One path: what it adds by itself, and what it makes of the irradiance at `point`. */
@@ -24,7 +25,8 @@ typedef struct EyeSample {
   scalar bend_mrad;  /* between the direction of view and the straight line to that surface */
 } EyeSample;
 
-DEVICE void start_eye_path(const Air *air, const EyeCamera *c, int column, int row, int sample, Path *path, Bundle *b) {
+DEVICE void start_eye_path(const Air *air, const Looks *looks, const EyeCamera *c, int column, int row, int sample,
+                           Path *path, Bundle *b) {
   const RandomWords pixel = {{(unsigned int)column, (unsigned int)row, 0u, 1u}};
   const RandomWords shift = philox(pixel, c->seed, 0x657965u);
   /* The R2 sequence (Roberts 2018), shifted by a random number of the pixel. */
@@ -39,13 +41,13 @@ DEVICE void start_eye_path(const Air *air, const EyeCamera *c, int column, int r
   b->split = WAVES == 1;
   for (int w = 0; w < WAVES; ++w) b->weight[w] = R(1);
   if (c->alone) split_bundle(b);
-  path->place = vec3(c->place[0], c->place[1], c->place[2]);
-  path->row = b->hero;
-  path->inside_glass = 0;
+  begin_path(air, looks, c->glass, b, vec3(c->place[0], c->place[1], c->place[2]), d, path);
   path->measured = 1;
-  const scalar index2 = air_index2(air, b->hero, path->place.z);
-  path->momentum = times(d, scalar_root(index2));
-  for (int w = 0; w < WAVES; ++w) b->weight[w] *= index2; /* L = n^2 (L/n^2), at the eye */
+  const scalar index2 = dot3(path->momentum, path->momentum);
+  for (int w = 0; w < WAVES; ++w) { /* L = n^2 (L/n^2), at the eye */
+    const scalar glass = c->glass > 0 ? looks->spectra[looks->materials[c->glass - 1].index * WAVES + w] : R(0);
+    b->weight[w] *= c->glass > 0 ? glass * glass : index2;
+  }
 }
 
 /* Adds what a lamp shows to the eye: its front only. */
@@ -83,7 +85,7 @@ DEVICE void follow_eye_path(const Geometry *g, const Air *air, const Looks *look
                             int row, int sample, EyeSample *out, scalar *radiance, scalar *weight) {
   Path path;
   Bundle b;
-  start_eye_path(air, c, column, row, sample, &path, &b);
+  start_eye_path(air, looks, c, column, row, sample, &path, &b);
   const Path start = path;
   out->asks = 0;
   out->depth_m = out->bend_mrad = R(0);

@@ -97,7 +97,6 @@ DEVICE int bounce_diffusely(const Geometry *g, const Looks *looks, const Surface
                             sample_cosine(R(unit_interval(words.word[1])), R(unit_interval(words.word[2]))));
   path->place = leave_surface(&g->bounds, hit->place, facing, d);
   path->momentum = times(d, length3(hit->momentum));
-  path->inside_glass = 0;
   return 1;
 }
 
@@ -120,11 +119,7 @@ DEVICE void start_photon(const Geometry *g, const Air *air, const Looks *looks, 
   Vec3 from, direction;
   emit_photon(g, looks, number, place, aim, &from, &direction);
   darken_limb(looks, light->limb, R(unit_interval(aim.word[0])), b);
-  path->place = from;
-  path->row = b->hero;
-  path->inside_glass = 0;
-  path->measured = 0;
-  path->momentum = times(direction, scalar_root(air_index2(air, b->hero, from.z)));
+  begin_path(air, looks, light->glass, b, from, direction, path);
 }
 
 /* returns: which of ChunkTally.outcome */

@@ -37,13 +37,10 @@ DEVICE void leave_light(const Geometry *g, const Air *air, const Looks *looks, i
   b->split = WAVES == 1;
   b->hero = (int)(aim.word[3] % (unsigned int)WAVES);
   if (alone) split_bundle(b);
-  Vec3 direction;
-  emit_photon(g, looks, light, place, aim, &path->place, &direction);
+  Vec3 from, direction;
+  emit_photon(g, looks, light, place, aim, &from, &direction);
   darken_limb(looks, looks->lights[light].limb, R(unit_interval(aim.word[0])), b);
-  path->row = b->hero;
-  path->inside_glass = 0;
-  path->measured = 0;
-  path->momentum = times(direction, scalar_root(air_index2(air, b->hero, path->place.z)));
+  begin_path(air, looks, looks->lights[light].glass, b, from, direction, path);
 }
 
 /* Photons of a cell, of `samples`, whose first surface is a mirror, glass or rough. */

@@ -17,6 +17,18 @@ DEVICE void split_bundle(Bundle *b) {
   b->split = 1;
 }
 
+/* A path on its way from a light or an eye. glass: 1 + number of the material that it starts in; 0: air */
+DEVICE void begin_path(const Air *air, const Looks *looks, int glass, const Bundle *b, Vec3 place, Vec3 direction,
+                       Path *path) {
+  path->place = place;
+  path->row = b->hero;
+  path->inside_glass = glass > 0;
+  path->measured = 0;
+  const scalar index = glass > 0 ? looks->spectra[looks->materials[glass - 1].index * WAVES + b->hero]
+                                 : scalar_root(air_index2(air, b->hero, place.z));
+  path->momentum = times(direction, index);
+}
+
 DEVICE void tint_bundle(Bundle *b, const scalar *by) {
   for (int w = 0; w < WAVES; ++w) b->weight[w] *= by[w];
 }

@@ -46,13 +46,13 @@ std::vector<unsigned> order_by_hand(const PhotonGrid &g, const Photons &photons)
   return order;
 }
 
-/// The order of a map with dense cells, of 513 photons and more, put back into that of emission: they have an order of
+/// The order of a map with dense cells, of 1025 photons and more, put back into that of emission: they have an order of
 /// their own.
 std::vector<unsigned> with_dense_cells_by_emission(const PhotonMap::Contents &c, const PhotonGrid &g,
                                                    const Photons &photons) {
   std::vector<unsigned> order = c.order;
   for (std::size_t k = 0; k + 1 < c.cell_start.size(); ++k)
-    if (c.cell_start[k + 1] - c.cell_start[k] >= 513)
+    if (c.cell_start[k + 1] - c.cell_start[k] >= 1025)
       std::sort(order.begin() + c.cell_start[k], order.begin() + c.cell_start[k + 1], [&](unsigned a, unsigned b) {
         return key_by_hand(g, photons.records[a]) < key_by_hand(g, photons.records[b]);
       });

@@ -49,7 +49,7 @@ TEST(TinyPhotons, FiledAndFound) {
 // oracle: a ball that holds the room finds all photons, one that holds no place finds none
 // tolerance: none
 TEST(TinyPhotons, DenseCell) {
-  const Photons photons = photons_in_room(600, 1, 5);
+  const Photons photons = photons_in_room(1100, 1, 5);
   const std::vector<GatherPoint> points = points_in_room(2, 2);
   PhotonMap map(shared_device(), {photons.records.size(), 1, 0, 0});
   map.upload(photons.records, photons.power_W);
@@ -57,7 +57,7 @@ TEST(TinyPhotons, DenseCell) {
   PhotonGather gather(shared_device(), 1, {GATHER_FLAT, false, 0, 2});
   gather.set_points(points);
   gather.within(map, gather_settings(20, 1, 180));
-  for (const Gathered &g : gather.read().gathered) EXPECT_EQ(g.count, 600);
+  for (const Gathered &g : gather.read().gathered) EXPECT_EQ(g.count, 1100);
   gather.within(map, gather_settings(1e-6, 1, 180));
   for (const Gathered &g : gather.read().gathered) EXPECT_EQ(g.count, 0);
   GatherSettings settings = gather_settings(20, 1, 180);

@@ -160,6 +160,8 @@ TEST(TinyRooms, AimedPhotonsLandWhereTheMirrorThrowsThem) {
   const auto row = static_cast<std::size_t>(room.looks.lights[0].power);
   const double expected = 0.8 * share * static_cast<double>(room.looks.spectra[2 * row]);
   EXPECT_NEAR(power / expected, 1, 5 / std::sqrt(static_cast<double>(landed)));
+  map.build(records.size(), Bounds{{-1, -1, 0}, {1, 1, 3}}, 0.3);
+  EXPECT_EQ(map.filed(), landed);
 }
 
 }  // namespace

@@ -73,6 +73,9 @@ TEST_F(RoomFile, SaysWhatIsWrongWithMeshes) {
   expect_obj(square + "vn 0 0 1\nf 1//1 2//1 3//2\n", 6, "normal");
   expect_obj(square + "f 1/1 2/1 3/1\n", 5, "texture");
   expect_obj("mtllib none.mtl\n" + square + "f 1 2 3\n", 1, "none.mtl");
+  for (const char *face : {"f", "f 1.5 2 3", "f 99999999999999999999 1 2", "f 1/a 2 3", "f 1/ 2 3", "f 1/1/1/1 2 3"})
+    expect_obj(square + face + "\n", 5, "corners");
+  expect_obj(square + "v 0 0 0" + std::string(1, '\0') + "\nf 1 2 3\n", 5, "zero byte");
   write("e.obj", square);
   EXPECT_FALSE(complaints("[[mesh]]\nfile = \"e.obj\"\nreflectance = 0.5\n").empty()) << "no faces at all";
 }
@@ -85,6 +88,12 @@ TEST_F(RoomFile, SaysWhatIsWrongWithMaterialsLightsAndTextures) {
   expect(quad + "reflectance = 1.5\n", "room.toml", 15, "1.5");
   expect(quad + "reflectance = nan\n", "room.toml", 15, "");
   expect("[[sphere]]\ncentre = [0, 0, 0]\nradius_m = 0\nreflectance = 0.5\n", "room.toml", 13, "");
+  write("m.obj", "mtllib m.mtl\nusemtl a\n" + square + "f 1 2 3\n");
+  for (const char *row : {"Kd nan 0 0", "Kd a b c", "Kd 0.5 0.5", "Kd 0 0 1.5", "Ks -1 0 0", "Ke -5 -5 -5",
+                          "Ke inf 0 0", "Ni -1", "Ni nan", "Ni 1e9", "d nan", "d 2", "Tr -1"}) {
+    write("m.mtl", std::string("# one\nnewmtl a\n") + row + "\n");
+    expect("[[mesh]]\nfile = \"m.obj\"\n", "m.mtl", 3, "expected");
+  }
   write("m.obj", "usemtl unknown\n" + square + "f 1 2 3\n");
   expect("[[mesh]]\nfile = \"m.obj\"\n", "m.obj", 1, "unknown");
   const std::string textured = "[[material]]\nname = \"t\"\ntexture = ";

@@ -61,6 +61,65 @@ TEST(RoomPicture, FurnaceInAMedium) {
   EXPECT_GT(static_cast<double>(*high) / static_cast<double>(*low), 1.2);  // and it does vary
 }
 
+TEST(RoomPicture, EyeInsideGlass) {
+  // oracle: in the furnace L/n^2 is the same everywhere, whatever is reflected or bent: inside glass L = n^2 M/pi/(1-a)
+  // tolerance: 1 %, as in FurnaceBox
+  const std::string ball =
+      "[[material]]\nname = \"glass\"\nkind = \"dielectric\"\nindex = 1.5\n[[sphere]]\ncentre = [0.35, "
+      "0.4, 0.55]\nradius_m = 0.2\nmaterial = \"glass\"\n";
+  const RoomScene scene = parse_room("furnace.toml", furnace(0.5, "") + ball);
+  const RoomPicture picture = render_room(scene, options_for(40, 40, 4), shared_device());
+  EXPECT_NEAR(mean_of(picture.image) / (1.5 * 1.5 * 2 / M_PI), 1, 0.01);
+}
+
+TEST(RoomPicture, LampInsideGlass) {
+  // oracle: from a lamp h below a flat side of glass, a cone of half angle t reaches t (h + n H) from the axis on a
+  //         screen H above it: irradiance I T/(h + n H)^2, T = 4n/(n+1)^2; radiance that over pi times the albedo
+  // tolerance: 4 %: noise of the mean of 16 pixels with 150 photons, and what the 3 degrees of the picture bend it by;
+  //            a lamp whose light left the glass unbent would be 1.6 times as bright
+  const RoomScene scene =
+      parse_room("lamp.toml",
+                 "greenray = 1\n[camera]\nfrom = [0, 0, 0.6]\nto = [0, 0, 1]\nup = [0, 1, 0]\nfov_deg = "
+                 "6\n[spectrum]\nsamples = 1\n"
+                 "[[material]]\nname = \"glass\"\nkind = \"dielectric\"\nindex = 1.5\n"
+                 "[[box]]\nlow = [-20, -20, -20]\nhigh = [20, 20, 0.5]\nmaterial = \"glass\"\n"
+                 "[[quad]]\ncorner = [-1, -1, 1]\nedge_u = [0, 2, 0]\nedge_v = [2, 0, 0]\nreflectance = 0.5\n"
+                 "[[light]]\nkind = \"spot\"\nfrom = [0, 0, 0]\nto = [0, 0, 1]\ncone_deg = 20\npower_W = 1\n"
+                 "[photons]\nemitted = 400000\ngather = 150\n");
+  const RoomPicture picture = render_room(scene, options_for(4, 4, 16), shared_device());
+  const double intensity = 1 / (2 * M_PI * (1 - std::cos(10 * M_PI / 180))), through = 4 * 1.5 / (2.5 * 2.5);
+  const double expected = 0.5 / M_PI * intensity * through / std::pow(0.5 + 1.5 * 0.5, 2);
+  EXPECT_NEAR(mean_of(picture.image) / expected, 1, 0.04);
+}
+
+TEST(RoomPicture, FarFromTheOrigin) {
+  // oracle: the furnace, wherever it stands
+  // tolerance: 1 %, as in FurnaceBox; floats alone are 8 mm apart there
+  std::string text = furnace(0.5, "");
+  for (const auto &[from, to] :
+       {std::pair<std::string, std::string>{"[0.3, 0.4, 0.6]", "[100000.3, -99999.6, 50000.6]"},
+        {"[1.0, 0.9, 0.2]", "[100001.0, -99999.1, 50000.2]"},
+        {"[0, 0, 0]", "[100000, -100000, 50000]"},
+        {"[1, 1, 1]", "[100001, -99999, 50001]"}})
+    text.replace(text.find(from), from.size(), to);
+  const RoomPicture picture = render_room(parse_room("far.toml", text), options_for(40, 40, 4), shared_device());
+  EXPECT_NEAR(mean_of(picture.image) / (2 / M_PI), 1, 0.01);
+  EXPECT_EQ(picture.report.photons.escaped, 0);
+}
+
+TEST(RoomPicture, PlacesThatFloatsCannotTellApart) {
+  // oracle: such scenes are refused, not rendered wrong
+  const std::string rows =
+      "greenray = 1\n[camera]\nfrom = [0, 0, 9]\nto = [0, 0, 0]\nup = [0, 1, 0]\n[[light]]\nkind = "
+      "\"point\"\nfrom = [0, 0, 5]\npower_W = 1\n[[quad]]\nreflectance = 0.5\n";
+  for (const char *corner :
+       {"corner = [0, 0, 0]\nedge_u = [1e-200, 0, 0]\nedge_v = [0, 1e-200, 0]\n",
+        "corner = [0, 0, 0]\nedge_u = [1e-4, 0, 0]\nedge_v = [0, 1e-4, 0]\n",
+        "corner = [0, 0, 0]\nedge_u = [10, 0, 0]\nedge_v = [0, 10, 0]\nscale = 1e6\ntranslate_m = [1e6, 0, 0]\n"})
+    EXPECT_THROW(render_room(parse_room("far.toml", rows + corner), options_for(4, 4, 1), shared_device()), InputError)
+        << corner;
+}
+
 TEST(RoomPicture, EdgesOfLightAreSmooth) {
   // oracle: a square before black nothing, turned by 20 degrees: a pixel is as bright as the share of it that the
   // square

@@ -48,8 +48,9 @@ double flux_up(const SkyField &field, double sun_rad) {
 
 TEST(DiffuseLight, AgreesWithPhotonsFollowedOneByOne) {
   // oracle: tests/oracle/sky_photons.py: 4 million photons through a flat Rayleigh air, all orders, full phase function
-  // tolerance: 3 %: after the first order only mean and flux of the light are kept; the flat photons' own noise is 0.2
-  // %
+  // tolerance: fluxes 3 %, radiance 5 %: after the first order only mean and flux of the light are kept; the photons'
+  // own
+  //            noise is 0.2 %
   const ReferenceTable rows("sky_photons.csv");
   EXPECT_EQ(rows.rows().size(), 8u);
   for (std::size_t i = 0; i < rows.rows().size(); ++i) {
@@ -60,7 +61,7 @@ TEST(DiffuseLight, AgreesWithPhotonsFollowedOneByOne) {
     field.diffuse().irradiance(sun, ground.data());
     add_scattered(field.line_of_sight(pi / 2), field.optics(), field.sources(), sun, 1, zenith.data());
     EXPECT_NEAR(ground[0] / number("diffuse_irradiance"), 1, 0.03) << "row " << i;
-    EXPECT_NEAR(zenith[0] / number("zenith_radiance"), 1, 0.03) << "row " << i;
+    EXPECT_NEAR(zenith[0] / number("zenith_radiance"), 1, 0.05) << "row " << i;
     const SkyField from_above = flat_field(number("depth"), number("albedo"), 100000);
     EXPECT_NEAR(flux_up(from_above, sun) / number("flux_up"), 1, 0.03) << "row " << i;
   }
