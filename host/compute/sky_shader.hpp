@@ -14,7 +14,7 @@ namespace greenray {
 struct SkyTable {
   int entries = 0, waves = 0, channels = 0;
   std::vector<float> values;
-  std::vector<float> limb;  // [LIMB_TERMS][waves]
+  std::vector<float> disks;  // of Sun and Moon: [DISK_MOON_SHADOW + shadow rows][waves]
 };
 
 /// What stands before the sky, for the same kernel (kernels/shared/target.h). Of as many waves and entries as the sky.

@@ -239,6 +239,20 @@ void explain(const Scene &scene, const RenderOptions &options, RenderPlan &plan)
   else
     did.push_back("extinction along the bent path: Rayleigh, ozone" +
                   std::string(scene.atmosphere.visibility_km || scene.atmosphere.turbidity ? ", aerosol" : ""));
+  const bool by_sun = scene.sun.given != SunScene::Given::nothing;
+  const bool by_moon = scene.moon.given != MoonScene::Given::nothing;
+  if (by_moon)
+    did.push_back(scene.moon.shadow_arcmin ? "the Moon, in the light that the Earth's air bends into its shadow"
+                                           : "the Moon, by its phase");
+  if (by_sun && by_moon) left.push_back("moonlight on air and sea: the Sun lights them");
+  if (!academic && scene.atmosphere.extinction && (by_sun || by_moon)) {
+    did.push_back("light of the sky: scattered once along the bent path, and again by air and ground" +
+                  std::string(plan.section ? ", in the air over the eye" : ""));
+    did.push_back(scene.sky.surface == SkyScene::Surface::land ? "the ground: Lambertian"
+                  : scene.sky.sea_reflectance                  ? "the sea: a mirror of the sky at 10 degrees"
+                                                               : "the sea: sky and Sun mirrored by waves");
+    left.push_back("clouds, the light of the night sky, and polarisation");
+  }
   if (scene.sun.given == SunScene::Given::nothing) left.push_back("the Sun: no [sun] in the scene");
   else did.push_back(std::string("the Sun") + (scene.sun.limb_darkening && !academic ? " with limb darkening" : ""));
   if (!plan.station_m.empty()) {
@@ -296,7 +310,7 @@ RenderPlan plan_render(const Scene &scene, const RenderOptions &options) {
   plan.host_bytes = pixels * (plan.wavelengths_nm.size() + padded + 8) * sizeof(float) +
                     plan.entries * plan.wavelengths_nm.size() * 300;
   plan.device_bytes =
-      pixels * (padded + 2) * sizeof(float) + plan.entries * padded * 5 * sizeof(float) + (std::size_t{1} << 18) * 168;
+      pixels * (padded + 2) * sizeof(float) + plan.entries * padded * 12 * sizeof(float) + (std::size_t{1} << 18) * 168;
   if (!plan.station_m.empty()) {
     plan.device_bytes += plan.entries * plan.station_m.size() * padded * f32::TARGET_CHANNEL_COUNT * sizeof(float);
     plan.host_bytes += plan.entries * plan.station_m.size() *

@@ -16,12 +16,24 @@ namespace {
 
 static_assert(f32::SKY_LIGHT - f32::SKY_GLITTER == SkyGlow::first_azimuth);
 
-/// Radiance of the Sun's centre that a ray would show.
-double sun_radiance(const SkyLight &light, const Transfer &ray, std::size_t wave) {
-  if (ray.outcome != f64::RAY_SPACE || !light.sun.shines) return 0;
-  const SpectralAir &air = light.air[wave];
-  const bool academic = light.sky.model == SkyScene::Model::academic;
-  return air.sun_centre_radiance * (academic ? 1 : std::exp(-optical_depth(ray, air)));
+/// Share of the light from outside that a ray brings.
+double passed(const SkyLight &light, const Transfer &ray, std::size_t wave) {
+  if (ray.outcome != f64::RAY_SPACE) return 0;
+  return light.sky.model == SkyScene::Model::academic ? 1 : std::exp(-optical_depth(ray, light.air[wave]));
+}
+
+/// Rows of the kernel's table of disks.
+std::vector<float> disk_rows(const SkyLight &light, std::size_t padded) {
+  std::vector<float> rows((f32::DISK_MOON_SHADOW + light.moon.shadow.size()) * padded, 0.0f);
+  for (std::size_t w = 0; w < light.air.size(); ++w) {
+    const SpectralAir &air = light.air[w];
+    for (std::size_t k = 0; k < air.limb.size() && light.sun.shines; ++k)
+      rows[k * padded + w] = static_cast<float>(air.limb[k] * air.sun_centre_radiance);
+    if (light.moon.shines) rows[f32::DISK_MOON * padded + w] = static_cast<float>(light.moon.radiance[w]);
+    for (std::size_t i = 0; i < light.moon.shadow.size(); ++i)
+      rows[(f32::DISK_MOON_SHADOW + i) * padded + w] = light.moon.shadow[i][w];
+  }
+  return rows;
 }
 
 /// Rows of one entry: [SKY_LIGHT + 2 azimuths][waves].
@@ -30,7 +42,7 @@ void fill_entry(const SkyLight &light, const TransferTable &transfer, std::size_
   for (std::size_t w = 0; w < light.air.size(); ++w) {
     const Transfer &ray = transfer.at(entry, w);
     rows[f32::SKY_FROM_SUN * padded + w] = static_cast<float>(ray.true_altitude_rad - light.sun.true_altitude_rad);
-    rows[f32::SKY_SUN * padded + w] = static_cast<float>(sun_radiance(light, ray, w));
+    rows[f32::SKY_PASSED * padded + w] = static_cast<float>(passed(light, ray, w));
     rows[f32::SKY_JOINED * padded + w] = transfer.edges.empty() ? 1.0f : transfer.edges[entry * light.air.size() + w];
   }
   if (!light.glow) return;
@@ -52,8 +64,8 @@ LightOfPaths::LightOfPaths(const SkyLight &light, double distance_m) : light_(li
 
 PathLight LightOfPaths::at(const Transfer &ray, std::size_t wave) const {
   if (light_.sky.model == SkyScene::Model::academic) return {1, 0, 0};
-  const double passed = std::exp(-optical_depth(ray, light_.air[wave]));
-  if (!light_.glow) return {passed, 0, 0};
+  const double left = std::exp(-optical_depth(ray, light_.air[wave]));
+  if (!light_.glow) return {left, 0, 0};
   const double e = elevation_rad(ray);
   const auto next = std::upper_bound(elevation_rad_.begin(), elevation_rad_.end(), e);
   const auto k = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(
@@ -62,17 +74,17 @@ PathLight LightOfPaths::at(const Transfer &ray, std::size_t wave) const {
   const double t = std::clamp((e - elevation_rad_[k]) / width, 0.0, 1.0);
   const std::size_t padded = light_.glow->padded();
   const float *below = &rows_[2 * k * padded + wave], *above = below + 2 * padded;
-  return {passed, below[0] + t * (above[0] - below[0]), below[padded] + t * (above[padded] - below[padded])};
+  return {left, below[0] + t * (above[0] - below[0]), below[padded] + t * (above[padded] - below[padded])};
 }
 
 double irradiance_on_upright(const SkyLight &light, double azimuth_rad, std::size_t wave) {
   const SpectralAir &air = light.air[wave];
   const SunPlace &sun = light.sun;
   const Transfer &ray = light.towards_sun[wave];
-  const double outside = air.irradiance_outside(sun.radius_rad);
+  const double outside = light.irradiance.empty() ? 0 : light.irradiance[wave];
   const double towards_eye = -std::cos(sun.azimuth_rad - azimuth_rad);  // cosine of the azimuths of Sun and surface
   const double facing = std::cos(sun.true_altitude_rad) * towards_eye;
-  const bool direct = sun.shines && facing > 0 && ray.outcome == f64::RAY_SPACE &&
+  const bool direct = (sun.shines || light.moon.shines) && facing > 0 && ray.outcome == f64::RAY_SPACE &&
                       std::abs(ray.true_altitude_rad - sun.true_altitude_rad) < sun.radius_rad;
   const double by_sun = direct ? facing * outside * std::exp(-optical_depth(ray, air)) : 0;
   if (!light.glow) return by_sun;
@@ -88,7 +100,6 @@ double irradiance_on_upright(const SkyLight &light, double azimuth_rad, std::siz
 }
 
 SkyTable make_sky_table(const SkyLight &light, const TransferTable &transfer, int waves) {
-  const std::vector<SpectralAir> &air = light.air;
   const auto padded = static_cast<std::size_t>(waves);
   SkyTable table;
   table.entries = static_cast<int>(transfer.entries);
@@ -96,10 +107,7 @@ SkyTable make_sky_table(const SkyLight &light, const TransferTable &transfer, in
   table.channels = static_cast<int>(f32::SKY_LIGHT + 2 * (light.glow ? light.glow->azimuths() : 0));
   const std::size_t row = static_cast<std::size_t>(table.channels) * padded;
   table.values.assign(transfer.entries * row, 0.0f);
-  table.limb.assign(air.front().limb.size() * padded, 0.0f);
-  for (std::size_t w = 0; w < air.size(); ++w)
-    for (std::size_t k = 0; k < air[w].limb.size(); ++k)
-      table.limb[k * padded + w] = static_cast<float>(air[w].limb[k]);
+  table.disks = disk_rows(light, padded);
   constexpr std::size_t piece = 64;
   for_pieces(transfer.entries, piece, host_threads(), [&](std::size_t first, std::size_t last) {
     for (std::size_t e = first; e < last; ++e) fill_entry(light, transfer, e, padded, &table.values[e * row]);

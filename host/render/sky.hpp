@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "compute/sky_shader.hpp"
+#include "render/moon_place.hpp"
 #include "render/sky_glow.hpp"
 #include "render/spectrum.hpp"
 #include "render/transfer.hpp"
@@ -10,7 +11,8 @@
 
 namespace greenray {
 
-/// The Sun's place, resolved: centre, true altitude (outside the air), azimuth from the picture's centre.
+/// The Sun's place, or, where it does not shine, that of the Moon in its stead; resolved: centre, true altitude
+/// (outside the air), azimuth from the picture's centre.
 struct SunPlace {
   bool shines = false;
   double true_altitude_rad = 0;
@@ -24,7 +26,9 @@ struct SkyLight {
   SunPlace sun;
   std::vector<Transfer> towards_sun;         // [wavelengths]
   std::vector<SpectralAir> air;              // [wavelengths]
-  std::shared_ptr<const SkyGlow> glow = {};  // null: black (academic, or no Sun)
+  std::shared_ptr<const SkyGlow> glow = {};  // null: black (academic, or neither Sun nor Moon)
+  std::vector<double> irradiance = {};       // [wavelengths] of what lights the sky, outside the air
+  MoonPlace moon = {};
 };
 
 /// The Sun's disk through the extinction of each ray's own columns, and the light of sky and sea (SkyGlow) where the

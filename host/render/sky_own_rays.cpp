@@ -48,8 +48,8 @@ void add_sample(SkyRays &rays, const SkyLight &light, const OwnRayTargets &own_t
     float band = 0, weight[SKY_MOST_AZIMUTHS];
     f32::azimuth_weights(&v, half_azimuth, weight);
     for (int w = 0; w < waves; ++w) {
-      const float behind =
-          f32::sky_radiance(&v, sky.values.data(), sky.limb.data(), waves, w, column, 0, half_azimuth, weight);
+      const float behind = f32::sky_radiance(&v, sky.values.data(), sky.disks.data(), waves, w, column, 0,
+                                             row.azimuths_rad[static_cast<std::size_t>(column)], half_azimuth, weight);
       const float radiance = f32::before_targets(&v, &targets, behind, w, column, 0,
                                                  row.azimuths_rad[static_cast<std::size_t>(column)], half_azimuth);
       sums.spectra[static_cast<std::size_t>(column * waves + w)] += radiance;

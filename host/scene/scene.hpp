@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "atmosphere/profile_spec.hpp"
+#include "scene/moon_scene.hpp"
 #include "scene/sweeps.hpp"
 #include "scene/target_scene.hpp"
 
@@ -102,6 +103,7 @@ struct Scene {
   AtmosphereScene atmosphere;
   ObserverScene observer;
   SunScene sun;
+  MoonScene moon;
   SkyScene sky;
   SpectrumScene spectrum;
   TracingScene tracing;

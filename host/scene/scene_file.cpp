@@ -8,6 +8,7 @@
 #include "atmosphere/profile_file.hpp"
 #include "scene/absorbers_file.hpp"
 #include "scene/ephemeris.hpp"
+#include "scene/moon_file.hpp"
 #include "scene/target_file.hpp"
 #include "support/embedded.hpp"
 #include "support/toml_reader.hpp"
@@ -217,6 +218,9 @@ Scene parse_scene(const std::string &file, std::string_view text, const std::vec
   document.prefer_overridden("sun", "altitude_deg", "apparent_altitude_deg");
   for (const char *altitude : {"altitude_deg", "apparent_altitude_deg"})
     document.prefer_overridden("sun", altitude, "when");
+  document.prefer_overridden("moon", "altitude_deg", "apparent_altitude_deg");
+  for (const char *altitude : {"altitude_deg", "apparent_altitude_deg"})
+    document.prefer_overridden("moon", altitude, "when");
   document.prefer_overridden("atmosphere.aerosol", "visibility_km", "turbidity");
   const TomlTable root = document.root();
   refuse_geometry(root);
@@ -232,6 +236,9 @@ Scene parse_scene(const std::string &file, std::string_view text, const std::vec
   read_sun(root.table("sun"), scene.observer.height_m, scene.sun);
   if (scene.sun.by_date && !root.table("observer").has("azimuth_deg"))
     scene.observer.azimuth_deg = *scene.sun.azimuth_deg;
+  read_moon(root.table("moon"), scene.observer.height_m, scene.moon);
+  if (scene.moon.by_date && !scene.sun.by_date && !root.table("observer").has("azimuth_deg"))
+    scene.observer.azimuth_deg = *scene.moon.azimuth_deg;
   read_sky(root.table("sky"), scene.sky);
   read_spectrum(root.table("spectrum"), scene.spectrum);
   read_tracing(root.table("tracing"), scene.tracing);

@@ -139,6 +139,20 @@ void add(Fingerprint &print, const SpectrumScene &spectrum, const TracingScene &
   for (const double x : {eye.ldmax_cd_m2, eye.contrast, eye.magnification, eye.age_years}) print.add("eye.number", x);
 }
 
+/// Nothing is added for a scene without a Moon.
+void add(Fingerprint &print, const MoonScene &moon) {
+  if (moon.given == MoonScene::Given::nothing) return;
+  print.add_choice("moon.given", moon.given);
+  print.add("moon.altitude_deg", moon.altitude_deg);
+  print.add("moon.azimuth_deg", moon.azimuth_deg);
+  print.add("moon.diameter_arcmin", moon.diameter_arcmin);
+  print.add("moon.phase_angle_deg", moon.phase_angle_deg);
+  print.add("moon.bright_limb_deg", moon.bright_limb_deg);
+  print.add("moon.sun_distance_au", moon.sun_distance_au);
+  if (moon.shadow_arcmin)
+    for (const double x : *moon.shadow_arcmin) print.add("moon.shadow_arcmin", x);
+}
+
 /// Nothing is added for a scene without targets: its hash is what it always was.
 void add(Fingerprint &print, const TargetScene &target) {
   print.add_choice("target.kind", target.kind);
@@ -165,6 +179,7 @@ std::string scene_hash(const Scene &scene) {
   add(print, scene.observer, scene.sun, scene.sky);
   add(print, scene.spectrum, scene.tracing, scene.eye);
   print.add_choice("output.spectral", scene.output.spectral);
+  add(print, scene.moon);
   for (const TargetScene &target : scene.targets) add(print, target);
   return print.hex();
 }

@@ -10,7 +10,7 @@
 #include "sky/target.h"
 #endif
 
-__kernel void shade_sky(__global const float *table, __global const float *limb, __global float *spectra,
+__kernel void shade_sky(__global const float *table, __global const float *disks, __global float *spectra,
                         __global float *moments, const SkyView view
 #if defined(WITH_TARGETS)
                         ,
@@ -47,8 +47,8 @@ __kernel void shade_sky(__global const float *table, __global const float *limb,
       azimuth_weights(&view, LANE(half_azimuth, i), weight);
       real band = SPREAD(0);
       for (int g = 0; g < SKY_WAVES / LANES; ++g) {
-        real radiance =
-            sky_radiance(&view, table, limb, waves, g * LANES, entry, at - (float)entry, LANE(half_azimuth, i), weight);
+        real radiance = sky_radiance(&view, table, disks, waves, g * LANES, entry, at - (float)entry,
+                                     LANE(d.azimuth_rad, i), LANE(half_azimuth, i), weight);
 #if defined(WITH_TARGETS)
         radiance = before_targets(&view, &targets, radiance, g * LANES, entry, at - (float)entry,
                                   LANE(d.azimuth_rad, i), LANE(half_azimuth, i));

@@ -94,10 +94,38 @@ DEVICE void azimuth_weights(const SkyView *v, float half_azimuth, float *weight)
   for (int m = 0; m < v->azimuths; ++m) weight[m] = at < 0 ? weight[m] / sum : m == at ? 1.0f : 0.0f;
 }
 
+/* The Moon by Lommel & Seeliger's law, in the Earth's shadow where it is eclipsed. from_sun: altitude of the direction
+   minus that of the Sun [rad]. Radiance outside the air; -1 beside the disk. */
+DEVICE real moon_disk(const SkyView *v, real from_sun, float azimuth_rad, GLOBAL const float *disks, int waves,
+                      int wave) {
+  const MoonView *m = &v->moon;
+  const real aside = SPREAD(azimuth_rad - m->azimuth_rad);
+  const real right = sine(aside) * (m->cos_altitude / m->radius_rad);
+  const real up = (from_sun - m->above_sun) * (1.0f / m->radius_rad);
+  const real towards2 = 1.0f - right * right - up * up;
+  const mask on = (towards2 >= R(0)) & (cosine(aside) > R(0));
+  if (!any_lane(on)) return SPREAD(-1);
+  const real towards = root(larger(towards2, SPREAD(1e-12f)));
+  const real lit = larger(right * m->sun_right + up * m->sun_up + towards * m->sun_towards, SPREAD(0));
+  real radiance = load_lanes(disks + DISK_MOON * waves + wave) * (2.0f * lit / (lit + towards));
+  if (m->shadow_rows > 0) {
+    const real x = right - m->shadow_right, y = up - m->shadow_up;
+    const real row = smaller(root(x * x + y * y) * m->shadow_rows_per_radius, SPREAD((float)(m->shadow_rows - 1)));
+    GLOBAL const float *shadow = disks + DISK_MOON_SHADOW * waves + wave;
+    for (int i = 0; i < LANES; ++i) { /* each wavelength sees the disk a little higher or lower */
+      const float at = LANE(row, i);
+      const int below = (int)at < m->shadow_rows - 2 ? (int)at : m->shadow_rows - 2;
+      const float a = shadow[below * waves + i], b = shadow[(below + 1) * waves + i];
+      LANE(radiance, i) *= a + (at - (float)below) * (b - a);
+    }
+  }
+  return on ? radiance : SPREAD(-1);
+}
+
 /* Radiance of wavelengths wave .. wave + LANES - 1 in a direction, between entries i and i + 1.
-   half_azimuth: sine_half_from_sun of it; weight: azimuth_weights of that */
-DEVICE real sky_radiance(const SkyView *v, GLOBAL const float *table, GLOBAL const float *limb, int waves, int wave,
-                         int entry, float fraction, float half_azimuth, const float *weight) {
+   half_azimuth: sine_half_from_sun of it; weight: azimuth_weights of that; disks: shared/sky.h */
+DEVICE real sky_radiance(const SkyView *v, GLOBAL const float *table, GLOBAL const float *disks, int waves, int wave,
+                         int entry, float fraction, float azimuth_rad, float half_azimuth, const float *weight) {
   const int channels = SKY_LIGHT + 2 * v->azimuths;
   GLOBAL const float *here = table + (entry * channels) * waves + wave;
   GLOBAL const float *next = here + channels * waves;
@@ -125,8 +153,12 @@ DEVICE real sky_radiance(const SkyView *v, GLOBAL const float *table, GLOBAL con
     shine = value[SKY_GLITTER] * glitter(v, value[SKY_GRAZING], value[SKY_GLITTER_SUN], half_azimuth);
   const real glow = light[0][SKY_GLOW] + f * (light[1][SKY_GLOW] - light[0][SKY_GLOW]);
   const real haze = light[0][SKY_AUREOLE] + f * (light[1][SKY_AUREOLE] - light[0][SKY_AUREOLE]);
-  return value[SKY_SUN] * sun_disk(chord2, v->sun_radius_rad, limb, waves, wave) + larger(glow, SPREAD(0)) + shine +
-         haze * aureole(chord2, v->phase_asymmetry);
+  real disk = sun_disk(chord2, v->sun_radius_rad, disks, waves, wave);
+  if (v->moon.radius_rad > 0.0f) { /* the Moon covers the Sun */
+    const real moon = moon_disk(v, value[SKY_FROM_SUN], azimuth_rad, disks, waves, wave);
+    disk = moon >= R(0) ? moon : disk;
+  }
+  return value[SKY_PASSED] * disk + larger(glow, SPREAD(0)) + shine + haze * aureole(chord2, v->phase_asymmetry);
 }
 
 /* Place of a sample inside its pixel: the R2 sequence (Roberts 2018), shifted by a random number of the pixel. */
