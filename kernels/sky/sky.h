@@ -113,7 +113,7 @@ DEVICE real moon_disk(const SkyView *v, real from_sun, float azimuth_rad, GLOBAL
     const real row = smaller(root(x * x + y * y) * m->shadow_rows_per_radius, SPREAD((float)(m->shadow_rows - 1)));
     GLOBAL const float *shadow = disks + DISK_MOON_SHADOW * waves + wave;
     for (int i = 0; i < LANES; ++i) { /* each wavelength sees the disk a little higher or lower */
-      const float at = LANE(row, i);
+      const float at = (float)LANE(row, i);
       const int below = (int)at < m->shadow_rows - 2 ? (int)at : m->shadow_rows - 2;
       const float a = shadow[below * waves + i], b = shadow[(below + 1) * waves + i];
       LANE(radiance, i) *= a + (at - (float)below) * (b - a);
