@@ -101,8 +101,9 @@ Arguments::Arguments(const CommandSpec &spec, const std::vector<std::string> &wo
           {here, flag->name + " needs a value: expected " + flag->name + " " + flag->value + ", " + flag->help});
     }
   }
+  end_ = {source, 1, column};
   if (!has("--help")) {
-    const SourcePlace end{source, 1, column};
+    const SourcePlace &end = end_;
     if (positional_.size() < wanted_positionals(spec.positional))
       wrong.push_back({end, "expected " + spec.positional + ": `greenray " + spec.name + " " + spec.positional + "`"});
     for (const Flag &flag : spec.flags)

@@ -51,6 +51,8 @@ class Arguments {
   /// A file name with this extension (".svg"); so that a picture is not written over a text by mistake.
   std::string file(const std::string &flag, const std::string &extension) const;
   SourcePlace place(const std::string &flag) const;
+  /// Behind the last word, where a missing one would stand.
+  const SourcePlace &end_place() const { return end_; }
   [[noreturn]] void fail(const std::string &flag, const std::string &message) const;
 
  private:
@@ -61,6 +63,7 @@ class Arguments {
   std::map<std::string, Given> values_;
   std::vector<std::string> positional_;
   std::vector<SourcePlace> positional_places_;
+  SourcePlace end_;
 };
 
 std::string usage(const CommandSpec &spec);

@@ -77,6 +77,8 @@ std::vector<std::string> words_for(const Job &job, const fs::path &exr, const Ar
     words.push_back(flag.name);
     if (!flag.value.empty()) words.push_back(a.text(flag.name));
   }
+  if (!a.has("--report"))
+    words.insert(words.end(), {"--report", "off"});  // frames have one air: a page each tells nothing
   for (const std::vector<std::string> &some : {a.all("--set"), job.overrides})
     for (const std::string &assignment : some) words.insert(words.end(), {"--set", assignment});
   return words;
@@ -109,6 +111,7 @@ std::vector<Picture> pictures_from(const std::vector<Job> &jobs, const fs::path 
 
 bool is_done(const Picture &picture) {
   if (!fs::exists(picture.exr) || !fs::exists(beside(picture, ".png"))) return false;
+  if (wants_report(picture.arguments) && !fs::exists(beside(picture, ".html"))) return false;
   std::ifstream file(beside(picture, ".json"));
   const Json report = Json::parse(file, nullptr, false);
   return report.is_object() && report.value("key", "") == picture.key;

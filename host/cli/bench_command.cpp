@@ -179,7 +179,7 @@ Results run_suites(const Request &request, const Arguments &a) {
   run({"scenes", "all"}, [&] { return run_scenes_suite(options); });
   run({"eye", "all"}, [&] { return run_eye_suite(options); });
   const double others = neighbours.cores();
-  results.contended = load > 0.5 * cores || others > 0.1 * cores;
+  results.contended = others > 0.05 * cores;
   results.about = {{"version", version()},
                    {"device", bench::device_words(*device)},
                    {"device_type", device->info().is_cpu   ? "cpu"

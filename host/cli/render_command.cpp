@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <iomanip>
@@ -12,19 +11,17 @@
 #include <sstream>
 
 #include "cli/commands.hpp"
+#include "cli/observe.hpp"
 #include "cli/progress.hpp"
 #include "cli/render_command.hpp"
 #include "cli/room_command.hpp"
-#include "image/colour.hpp"
 #include "image/exr.hpp"
-#include "image/picture_sink.hpp"
 #include "render/report.hpp"
-#include "render/scene_eye.hpp"
+#include "report/sky_report.hpp"
 #include "scene/scene_file.hpp"
 #include "support/angle.hpp"
 #include "support/atomic_file.hpp"
 #include "support/version.hpp"
-#include "vision/report_json.hpp"
 
 namespace greenray::cli {
 namespace {
@@ -145,35 +142,12 @@ void check_writable(const fs::path &path) {
   probe.write("x");
 }
 
-struct Observed {
-  CameraReport camera;
-  nlohmann::json eye;  // null: a camera
-};
-
-/// The PNG of the scene's observer.
-Observed develop(const Scene &scene, const RenderPlan &plan, const SpectralImage &image, AtomicFile &png) {
-  Observed observed;
-  if (scene.eye.model != EyeScene::Model::human) {
-    const CameraPicture camera = develop_camera(rgb_from_spectral(image), {scene.eye.exposure_ev, 8, true});
-    write_png(png, camera.pixels);
-    observed.camera = camera.report;
-    return observed;
-  }
-  const double half_width = std::tan(to_rad(scene.observer.fov_deg) / 2) * image.width / plan.size[0];
-  const bool cropped = image.width != plan.size[0];
-  const double fov_deg = cropped ? to_deg(2 * std::atan(half_width)) : scene.observer.fov_deg;
-  const vision::EyeOptions options = eye_options_of(scene.eye, fov_deg);
-  const auto source = picture_source(image, fov_deg);
-  const auto sink = png_sink(png, image.width, image.height);
-  observed.eye = vision::report_json(vision::HumanEye(options).develop(*source, *sink), options);
-  return observed;
-}
-
 }  // namespace
 
 int render_picture(const Arguments &a, Session &session) {
   if (const std::optional<int> done = render_room_scene(a, session)) return *done;
   const auto begin = Clock::now();
+  const bool with_page = wants_report(a);
   RenderOptions options = options_from(a);
   const Scene scene = load_scene(a.positional()[0], a.all("--set"), a.positional_place(0));
   const RenderPlan plan = plan_render(scene, options);
@@ -206,7 +180,8 @@ int render_picture(const Arguments &a, Session &session) {
   if (written.not_finite_replaced > 0)
     std::cerr << "warning: " << written.not_finite_replaced << " values were not finite and are written as 0\n";
   const auto eye_begin = Clock::now();
-  const Observed observed = develop(scene, plan, rendered.image, files.add(fs::path(exr).replace_extension(".png")));
+  AtomicFile &png = files.add(fs::path(exr).replace_extension(".png"));
+  const Observed observed = observe(scene.eye, scene.observer.fov_deg, plan.size[0], rendered.image, png);
   const double eye_seconds = seconds_since(eye_begin);
   nlohmann::json report =
       report_json(scene, plan, options, rendered.report, *device, observed.camera, {eye_seconds, seconds_since(begin)});
@@ -215,6 +190,15 @@ int render_picture(const Arguments &a, Session &session) {
     report["eye"] = observed.eye;
   }
   report["key"] = picture_key(a);
+  if (with_page) {
+    png.seal();
+    const auto report_begin = Clock::now();
+    const std::string page = sky_report({scene, plan, options, rendered, read_png(png.temporary()),
+                                         observed.eye.is_null() ? observed.camera.key_cd_m2 : 0, command_line(a)},
+                                        report, device);
+    report["seconds"]["report"] = seconds_since(report_begin);
+    files.add(fs::path(exr).replace_extension(".html")).write(page);
+  }
   files.add(fs::path(exr).replace_extension(".json")).write(report.dump(1) + "\n");
   if (stop_requested()) throw Interrupted();
   files.commit();
@@ -222,9 +206,29 @@ int render_picture(const Arguments &a, Session &session) {
   if (json) std::cout << nlohmann::json{{"event", "done"}, {"report", report}}.dump() << "\n";
   if (!quiet && !json) {
     print_summary(rendered.report, plan, seconds_since(begin));
-    std::cout << "wrote    " << exr.string() << "  .png  .json\n";
+    std::cout << "wrote    " << exr.string() << "  .png  .json" << (with_page ? "  .html\n" : "\n");
   }
   return 0;
+}
+
+bool wants_report(const Arguments &a) { return a.choice("--report", {"on", "off"}, "on") == "on"; }
+
+std::string command_line(const Arguments &a) {
+  const auto quoted = [](const std::string &word) {
+    const bool plain = !word.empty() && word.find_first_of(" \t\n'\"\\$`*?[]{}()<>|&;#~!") == std::string::npos;
+    if (plain) return word;
+    std::string text = "'";
+    for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return text + "'";
+  };
+  std::string line = "greenray render " + quoted(a.positional()[0]);
+  for (const Flag &flag : render_command().spec.flags) {
+    if (!a.has(flag.name)) continue;
+    if (flag.value.empty()) line += " " + flag.name;
+    else
+      for (const std::string &value : a.all(flag.name)) line += " " + flag.name + " " + quoted(value);
+  }
+  return line;
 }
 
 std::string picture_key(const Arguments &a) {
@@ -239,11 +243,13 @@ std::string picture_key(const Arguments &a) {
 namespace {
 
 int check(const Arguments &a) {
-  if (const std::optional<int> done = check_room_scene(a)) return *done;
+  Session session;
+  if (const std::optional<int> done = check_room_scene(a, session)) return *done;
   const RenderOptions options = options_from(a);
   const Scene scene = load_scene(a.positional()[0], a.all("--set"), a.positional_place(0));
   const RenderPlan plan = plan_render(scene, options);
   require_sun_in_sky(scene, options);
+  if (a.has("--device")) (void)session.device(a);  // is there such a one?
   if (a.has("--json")) {
     nlohmann::json out{{"scene", scene.name}, {"scene_hash", scene_hash(scene)}, {"plan", plan_json(plan)}};
     std::cout << out.dump(1) << "\n";
@@ -265,7 +271,7 @@ int check(const Arguments &a) {
 }  // namespace
 
 std::vector<Flag> render_flags() {
-  return {{"--output", "-o", "OUT.exr", "where to write; .png and .json go beside it"},
+  return {{"--output", "-o", "OUT.exr", "where to write; .png, .json and .html go beside it"},
           {"--set", "-D", "KEY=VALUE", "override any scene key, repeatable", false, true},
           {"--spp", "", "N", "samples a pixel"},
           {"--photons", "", "N", "rooms: photons in all"},
@@ -279,11 +285,13 @@ std::vector<Flag> render_flags() {
           {"--quick", "", "", "quarter size"},
           {"--size", "", "WxH", "size in pixels"},
           {"--crop", "", "X0,Y0,X1,Y1", "only this part of the picture"},
-          {"--straight", "", "", "no bending, for comparison"}};
+          {"--straight", "", "", "no bending, for comparison"},
+          {"--report", "", "W", "on | off: OUT.html, a page of its own about the picture (render: on, batch: off)"}};
 }
 
 Command render_command() {
-  return {with_common({"render", "SCENE", "One picture: EXR with spectra, PNG and JSON.", render_flags()}),
+  return {with_common(
+              {"render", "SCENE", "One picture: EXR with spectra, PNG, JSON and a report in HTML.", render_flags()}),
           [](const Arguments &a) {
             Session session;
             return render_picture(a, session);

@@ -34,6 +34,12 @@ int render_picture(const Arguments &arguments, Session &session);
    It stands in the picture's JSON as `key`, so that `batch` can tell what is done. errors: InputError, as render's */
 std::string picture_key(const Arguments &arguments);
 
+/// Whether OUT.html is written beside the picture.
+bool wants_report(const Arguments &arguments);
+
+/// The command line of `render` with these arguments, quoted for a shell.
+std::string command_line(const Arguments &arguments);
+
 /// Of `render`.
 std::vector<Flag> render_flags();
 

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "atmosphere/profile_file.hpp"
+#include "cli/observe.hpp"
 #include "cli/progress.hpp"
 #include "image/colour.hpp"
 #include "image/develop.hpp"
@@ -17,7 +18,9 @@
 #include "render/report.hpp"
 #include "render/room_checkpoint.hpp"
 #include "render/room_choices.hpp"
+#include "render/room_estimate.hpp"
 #include "render/room_report.hpp"
+#include "report/room_page.hpp"
 #include "support/atomic_file.hpp"
 #include "support/embedded.hpp"
 #include "support/toml_reader.hpp"
@@ -146,10 +149,39 @@ void keep_channels(const std::vector<std::string> &aovs, SpectralImage &image) {
 }
 
 /// OUT.photons.exr and .png: one photon of median power is a dot a little brighter than middle grey.
-void write_photon_map(const SpectralImage &map, const fs::path &exr, AtomicFileSet &files, const ExrAttributes &words) {
+Raster write_photon_map(const SpectralImage &map, const fs::path &exr, AtomicFileSet &files,
+                        const ExrAttributes &words) {
   write_exr(files.add(fs::path(exr).replace_extension(".photons.exr")), map, words, {false});
-  write_png(files.add(fs::path(exr).replace_extension(".photons.png")),
-            develop_camera(rgb_from_spectral(map), {std::nullopt, 8, true}).pixels);
+  Raster pixels = develop_camera(rgb_from_spectral(map), {std::nullopt, 8, true}).pixels;
+  write_png(files.add(fs::path(exr).replace_extension(".photons.png")), pixels);
+  return pixels;
+}
+
+/// Picture, PNG and report, all or none.
+void write_room(const Arguments &a, const RoomScene &scene, const RoomOptions &options, const Device &device,
+                RoomPicture &picture, const fs::path &exr, Clock::time_point begin, nlohmann::json &report) {
+  const auto develop_begin = Clock::now();
+  AtomicFileSet files;
+  AtomicFile &png = files.add(fs::path(exr).replace_extension(".png"));
+  const Observed observed = observe(scene.eye, scene.camera.fov_deg, options.size[0], picture.image, png);
+  const double develop_seconds = seconds_since(develop_begin);
+  keep_channels(scene.aovs, picture.image);
+  write_exr(files.add(exr), picture.image, attributes_of(scene, options, device), {scene.output.spectral});
+  std::optional<Raster> photon_map;
+  if (picture.photon_map)
+    photon_map = write_photon_map(*picture.photon_map, exr, files, attributes_of(scene, options, device));
+  report = room_report_json(scene, options, picture.report, device, develop_seconds, seconds_since(begin));
+  report["plan"]["choices"] = choices_json(room_choices(scene, options));
+  if (!observed.eye.is_null()) report["eye"] = observed.eye;
+  report["key"] = picture_key(a);
+  if (wants_report(a)) {
+    png.seal();
+    report["command"] = command_line(a);
+    files.add(fs::path(exr).replace_extension(".html")).write(room_page(report, read_png(png.temporary()), photon_map));
+  }
+  files.add(fs::path(exr).replace_extension(".json")).write(report.dump(1) + "\n");
+  stop_if_asked();
+  files.commit();
 }
 
 }  // namespace
@@ -157,7 +189,11 @@ void write_photon_map(const SpectralImage &map, const fs::path &exr, AtomicFileS
 std::optional<std::string> room_scene_hash(const Arguments &a) {
   const auto text = room_text(a.positional()[0], a.positional_place(0));
   if (!text) return std::nullopt;
-  return room_hash(parse_room(text->first, text->second, a.all("--set")));
+  const RoomScene scene = parse_room(text->first, text->second, a.all("--set"));
+  std::string hash = room_hash(scene);
+  for (const auto &[key, value] : scene.values)
+    if (key.starts_with("eye.")) hash += " " + key + "=" + value;  // the picture for the eye, too
+  return hash;
 }
 
 std::optional<int> render_room_scene(const Arguments &a, Session &session) {
@@ -166,12 +202,13 @@ std::optional<int> render_room_scene(const Arguments &a, Session &session) {
   if (!text) return std::nullopt;
   const RoomScene scene = parse_room(text->first, text->second, a.all("--set"));
   RoomOptions options = options_from(a, scene);
+  const bool with_page = wants_report(a);  // a wrong word is told before the work
   fs::path exr = a.has("--output") ? fs::path(a.file("--output", ".exr")) : fs::path(scene.output.image);
   if (exr.empty()) exr = fs::path("out") / (scene.name + ".exr");
   const std::shared_ptr<Device> device = session.device(a);
   { AtomicFile(exr).write("x"); }  // is there room and right to write there?
   options.checkpoint = fs::path(exr).replace_extension(".grck");
-  for (const char *extension : {".exr", ".png", ".json", ".grck", ".photons.exr", ".photons.png"})
+  for (const char *extension : {".exr", ".png", ".json", ".html", ".grck", ".photons.exr", ".photons.png"})
     remove_stale_temporaries(fs::path(exr).replace_extension(extension));
   const bool quiet = a.has("--quiet"), json = a.has("--json");
   Progress progress(quiet ? Progress::Style::quiet : json ? Progress::Style::json : Progress::Style::text);
@@ -183,25 +220,19 @@ std::optional<int> render_room_scene(const Arguments &a, Session &session) {
   RoomPicture picture = render_room(scene, options, device);
   progress.end();
 
-  const auto develop_begin = Clock::now();
-  const CameraPicture camera = develop_camera(rgb_from_spectral(picture.image), {scene.eye.exposure_ev, 8, true});
-  const double develop_seconds = seconds_since(develop_begin);
-  keep_channels(scene.aovs, picture.image);
-  AtomicFileSet files;
-  write_exr(files.add(exr), picture.image, attributes_of(scene, options, *device), {scene.output.spectral});
-  write_png(files.add(fs::path(exr).replace_extension(".png")), camera.pixels);
-  if (picture.photon_map) write_photon_map(*picture.photon_map, exr, files, attributes_of(scene, options, *device));
-  nlohmann::json report =
-      room_report_json(scene, options, picture.report, *device, develop_seconds, seconds_since(begin));
-  report["key"] = picture_key(a);
-  files.add(fs::path(exr).replace_extension(".json")).write(report.dump(1) + "\n");
-  stop_if_asked();
-  files.commit();
+  nlohmann::json report;
+  try {
+    write_room(a, scene, options, *device, picture, exr, begin, report);
+  } catch (const RunError &error) {
+    if (!fs::exists(options.checkpoint)) throw;
+    throw Error(ExitCode::stopped_early,
+                std::string(error.what()) + "; the checkpoint is kept in " + options.checkpoint.string());
+  }
   remove_checkpoint(options.checkpoint);
   if (json) std::cout << nlohmann::json{{"event", "done"}, {"report", report}}.dump() << "\n";
   if (!quiet && !json) {
     print_summary(picture.report, seconds_since(begin));
-    std::cout << "wrote    " << exr.string() << "  .png  .json"
+    std::cout << "wrote    " << exr.string() << "  .png  .json" << (with_page ? "  .html" : "")
               << (picture.photon_map ? "  .photons.exr  .photons.png" : "") << "\n";
   }
   return 0;
@@ -215,7 +246,34 @@ void print_choices(const std::vector<PlanChoice> &choices) {
   }
 }
 
-std::optional<int> check_room_scene(const Arguments &a) {
+namespace {
+
+/// From a probe on the device; nothing where no device was asked for and there is none.
+std::optional<RoomEstimate> cost_of(const RoomScene &scene, const RoomOptions &options, const Arguments &a,
+                                    Session &session) {
+  try {
+    return estimate_room(scene, options, session.device(a));
+  } catch (const DeviceError &) {
+    if (a.has("--device")) throw;
+    return std::nullopt;
+  }
+}
+
+void print_cost(const std::optional<RoomEstimate> &cost) {
+  if (!cost) {
+    std::cout << "time     not known: there is no OpenCL device\n";
+    return;
+  }
+  std::cout << std::setprecision(2) << "memory   " << cost->device_bytes / 1000000 + 1 << " MB on the device\n"
+            << "time     about " << cost->seconds.value_or(cost->seconds_a_pass) << (cost->seconds ? " s" : " s a pass")
+            << ", from a probe that took " << cost->probe_seconds << " s; kernels, once, " << cost->compile_seconds
+            << " s\n"
+            << std::setprecision(6);
+}
+
+}  // namespace
+
+std::optional<int> check_room_scene(const Arguments &a, Session &session) {
   const auto text = room_text(a.positional()[0], a.positional_place(0));
   if (!text) return std::nullopt;
   const RoomScene scene = parse_room(text->first, text->second, a.all("--set"));
@@ -223,6 +281,12 @@ std::optional<int> check_room_scene(const Arguments &a) {
   const std::vector<PlanChoice> choices = room_choices(scene, options);
   nlohmann::json plan = room_plan_json(scene, options);
   plan["choices"] = choices_json(choices);
+  const std::optional<RoomEstimate> cost = cost_of(scene, options, a, session);
+  if (cost) {
+    plan["device_bytes"] = cost->device_bytes;
+    plan["seconds_estimated"] = cost->seconds ? nlohmann::json(*cost->seconds) : nlohmann::json();
+    plan["seconds_a_pass_estimated"] = cost->seconds_a_pass;
+  }
   if (a.has("--json")) {
     std::cout << nlohmann::json{{"scene", scene.name}, {"scene_hash", room_hash(scene)}, {"plan", plan}}.dump(1)
               << "\n";
@@ -233,6 +297,7 @@ std::optional<int> check_room_scene(const Arguments &a) {
             << " wavelengths\n"
             << "photons  " << stopping_words(options, plan_room(scene, options)) << "; " << scene.photons.gather
             << " an estimate; " << scene.surfaces.triangles.size() << " triangles\n";
+  print_cost(cost);
   print_choices(choices);
   for (const auto &[key, words] : {std::pair{"modelled", "modelled "}, {"left_out", "left out "}})
     for (const std::string what : plan.at(key)) std::cout << words << what << "\n";

@@ -19,6 +19,6 @@ std::optional<int> render_room_scene(const Arguments &a, Session &session);
 std::optional<std::string> room_scene_hash(const Arguments &a);
 
 /// Says what a render of it would do. Nothing if it is a sky scene, or is not there.
-std::optional<int> check_room_scene(const Arguments &a);
+std::optional<int> check_room_scene(const Arguments &a, Session &session);
 
 }  // namespace greenray::cli

@@ -1,4 +1,5 @@
-// greenray trace: where rays are after given distances along the surface.
+// greenray trace: where rays are after given distances along the surface; without a list of altitudes, all about a
+// view.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -6,8 +7,10 @@
 #include "atmosphere/profile_file.hpp"
 #include "cli/air_plot.hpp"
 #include "cli/commands.hpp"
+#include "cli/view_command.hpp"
 #include "render/refraction.hpp"
 #include "render/solver_choice.hpp"
+#include "report/view_plots.hpp"
 #include "support/atomic_file.hpp"
 #include "support/version.hpp"
 
@@ -71,16 +74,34 @@ std::string as_json(const std::vector<TraceRow> &rows, const TraceRequest &reque
   return out.dump(1) + "\n";
 }
 
-/// The rays again at 200 steps to the longest distance asked for, as a picture.
+/// The view as `trace SCENE` draws it, with the rays asked for, at 200 steps to the longest distance, as its fan.
 std::string drawing(TraceRequest request, const AirSection &air, const std::shared_ptr<Device> &device) {
   const double longest_m = *std::max_element(request.distances_m.begin(), request.distances_m.end());
   constexpr int steps = 200;
   request.distances_m.clear();
   for (int i = 0; i <= steps; ++i) request.distances_m.push_back(longest_m * i / steps);
-  return draw_svg(ray_plot(trace_table(air, request, device), request, air.at(0)));
+  const Plot rays = ray_plot(trace_table(air, request, device), request, air.at(0));
+  ViewRequest view;
+  view.height_m = request.height_m, view.wavelengths_nm = request.wavelengths_nm, view.flat = request.flat;
+  view.method = request.method, view.section = request.section, view.azimuth_rad = request.azimuth_rad;
+  return view_sheet(diagnose_view(air, view, device), rays);
+}
+
+/// The rays of the contract: all four flags, or none and a view.
+bool asks_for_rays(const Arguments &a) {
+  if (!a.has("--altitudes")) return false;
+  std::vector<Diagnostic> missing;
+  for (const auto &[flag, value] : {std::pair{"--height", "M"}, {"--wavelengths", "LIST"}, {"--distances", "LIST"}})
+    if (!a.has(flag))
+      missing.push_back({a.end_place(), std::string("missing ") + flag + " " + value + " beside --altitudes"});
+  if (!missing.empty()) throw InputError(std::move(missing));
+  for (const char *flag : {"--target-distance", "--target-height", "--units", "--set"})
+    if (a.has(flag)) a.fail(flag, "this is about a view: expected no --altitudes");
+  return true;
 }
 
 int run(const Arguments &a) {
+  if (!asks_for_rays(a)) return trace_view(a);
   const AirSection air(load_profile(a.positional()[0], ".", a.positional_place(0)));
   const TraceRequest request = request_from(a, air.spec());
   const bool json = a.choice("--format", {"csv", "json"}, a.has("--json") ? "json" : "csv") == "json";
@@ -101,19 +122,24 @@ Command trace_command() {
   return {
       with_common(
           {"trace",
-           "PROFILE",
-           "Rays from the eye: height, elevation, bending and optical path at distances along the surface.",
-           {{"--height", "", "M", "eye above the surface [m]", true},
-            {"--altitudes", "", "LIST", "apparent altitudes [deg]: a,b,c or FROM:TO:STEP", true},
-            {"--wavelengths", "", "LIST", "vacuum wavelengths [nm]", true},
-            {"--distances", "", "LIST", "distances along the surface [m]", true},
+           "SCENE|PROFILE",
+           "What a view shows: mirages, horizon, what is hidden; with --altitudes where rays are at distances.",
+           {{"--height", "", "M", "eye above the surface [m]; of a PROFILE"},
+            {"--altitudes", "", "LIST", "apparent altitudes [deg]: a,b,c or FROM:TO:STEP; needs the two below"},
+            {"--wavelengths", "", "LIST", "vacuum wavelengths [nm] (a view: 550)"},
+            {"--distances", "", "LIST", "distances along the surface [m] (a view: the last one ends its fan of rays)"},
+            {"--target-distance", "", "D", "what of a target is seen: 1200, 1.2km, 4000ft, 0.75mi, 0.65nmi"},
+            {"--target-height", "", "H", "its height above the surface, likewise"},
+            {"--units", "", "U", "m (default) | ft: of the text printed"},
+            {"--set", "-D", "KEY=VALUE", "override any key of a SCENE, repeatable", false, true},
             {"--surface", "", "S", "sphere (default) | flat"},
             {"--precision", "", "P", "float | double (default)"},
             {"--method", "", "M", "auto | cells: layers in closed form | rk | richardson | section: as if it varied"},
             {"--azimuth", "", "DEG", "where the eye looks, from north (the profile's azimuth_deg; else from the path)"},
             {"--tolerance", "", "ARCSEC", "local accuracy of direction"},
-            {"--plot", "", "FILE.svg", "draw the rays, height against distance"},
-            {"--format", "", "F", "csv (default) | json"},
+            {"--plot", "", "FILE.svg",
+             "draw the air with its ducts, the rays, the transfer curve and how often each altitude is seen"},
+            {"--format", "", "F", "rows: csv (default) | json; a view: text (default) | json"},
             {"--output", "-o", "FILE", "write to a file"}}}),
       run};
 }

@@ -18,24 +18,33 @@ int padded_waves(const Device &device, int wavelengths) {
   return (wavelengths + lanes - 1) / lanes * lanes;
 }
 
-/// The targets on the device; of a picture without them nothing.
+/// A buffer cannot be empty: then one entry, never read.
+template <class T>
+class Filled {
+ public:
+  Filled(Device::State &device, const std::vector<T> &values, const char *what)
+      : buffer_(device, std::max<std::size_t>(values.size(), 1), what) {
+    if (!values.empty()) buffer_.write(values.data(), values.size());
+  }
+  const cl::Buffer &cl() const { return buffer_.cl(); }
+
+ private:
+  Buffer<T> buffer_;
+};
+
+/// Targets and waves on the device; of a picture without them nothing.
 struct TargetBuffers {
-  Buffer<float> sight, corners, light;
-  Buffer<f32::Target> rows;
-  Buffer<f32::TargetTexel> texels;
+  Filled<float> sight, corners, light, crests;
+  Filled<f32::Target> rows;
+  Filled<f32::TargetTexel> texels;
 
   TargetBuffers(Device::State &device, const TargetTable &t)
-      : sight(device, t.sight.size(), "the sight table of targets"),
-        corners(device, std::max<std::size_t>(t.corners.size(), 1), "outlines of targets"),
-        light(device, t.light.size(), "light of targets"),
-        rows(device, t.targets.size(), "targets"),
-        texels(device, std::max<std::size_t>(t.texels.size(), 1), "pictures of targets") {
-    sight.write(t.sight.data(), t.sight.size());
-    light.write(t.light.data(), t.light.size());
-    rows.write(t.targets.data(), t.targets.size());
-    if (!t.corners.empty()) corners.write(t.corners.data(), t.corners.size());
-    if (!t.texels.empty()) texels.write(t.texels.data(), t.texels.size());
-  }
+      : sight(device, t.sight, "the sight table of targets"),
+        corners(device, t.corners, "outlines of targets"),
+        light(device, t.light, "light of targets"),
+        crests(device, t.crests, "wave crests"),
+        rows(device, t.targets, "targets"),
+        texels(device, t.texels, "pictures of targets") {}
 };
 
 struct SkyShader::State {
@@ -83,7 +92,8 @@ struct SkyShader::State {
     kernel.setArg(7, targets->corners.cl());
     kernel.setArg(8, targets->light.cl());
     kernel.setArg(9, targets->texels.cl());
-    kernel.setArg(10, cl_int2{{static_cast<cl_int>(t.targets.size()), t.stations}});
+    kernel.setArg(10, targets->crests.cl());
+    kernel.setArg(11, t.scale());
   }
 
   static std::size_t band_floats(int width, int rows, int each) {

@@ -17,7 +17,8 @@ struct SkyTable {
   std::vector<float> disks;  // of Sun and Moon: [DISK_MOON_SHADOW + shadow rows][waves]
 };
 
-/// What stands before the sky, for the same kernel (kernels/shared/target.h). Of as many waves and entries as the sky.
+/// What stands before the sky, targets and waves, for the same kernel (kernels/shared/target.h). Of as many wavelengths
+/// and entries as the sky.
 struct TargetTable {
   int stations = 0;
   std::vector<float> sight;          // [entries][stations][TARGET_CHANNEL_COUNT][waves]
@@ -25,15 +26,25 @@ struct TargetTable {
   std::vector<float> corners;        // [corners][2]
   std::vector<float> light;          // [1 + targets][waves]
   std::vector<f32::TargetTexel> texels;
+  std::vector<float> crests;  // thresholds over azimuth; empty: no waves
+  int sea_entry = 0;
+  float first_crest_rad = 0, crests_per_rad = 0;
 
-  bool any() const { return !targets.empty(); }
+  bool any() const { return !targets.empty() || !crests.empty(); }
   std::size_t bytes() const {
-    return (sight.size() + corners.size() + light.size()) * sizeof(float) + targets.size() * sizeof(f32::Target) +
-           texels.size() * sizeof(f32::TargetTexel);
+    return (sight.size() + corners.size() + light.size() + crests.size()) * sizeof(float) +
+           targets.size() * sizeof(f32::Target) + texels.size() * sizeof(f32::TargetTexel);
+  }
+  f32::TargetScale scale() const {
+    return {static_cast<int>(targets.size()),
+            stations,
+            static_cast<int>(crests.size()),
+            sea_entry,
+            first_crest_rad,
+            crests_per_rad};
   }
   f32::Targets view(int waves) const {
-    return {sight.data(), targets.data(), corners.data(), light.data(), texels.data(), static_cast<int>(targets.size()),
-            stations,     waves};
+    return {sight.data(), targets.data(), corners.data(), light.data(), texels.data(), crests.data(), scale(), waves};
   }
 };
 

@@ -69,6 +69,21 @@ Layout layout_for(std::size_t count, const Raster &first, int width) {
 
 }  // namespace
 
+Raster shrunk(const Raster &picture, int widest_pixels) {
+  const int width = std::min(picture.width, widest_pixels);
+  const int height =
+      std::max(1, static_cast<int>(std::lround(static_cast<double>(picture.height) * width / picture.width)));
+  const Shrinker small(picture, width, height);
+  RgbImage out{width, height, {}};
+  out.rgb.reserve(3 * out.pixels());
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const std::array<float, 3> light = small.at(x, y);
+      out.rgb.insert(out.rgb.end(), light.begin(), light.end());
+    }
+  return quantise(out, 8, false);
+}
+
 Raster contact_sheet(const std::vector<std::filesystem::path> &pictures, int width) {
   if (pictures.empty()) throw std::invalid_argument("a contact sheet of no pictures");
   Raster picture = read_png(pictures[0]);

@@ -12,4 +12,7 @@ namespace greenray {
    no pictures -> std::invalid_argument; missing or damaged ones -> InputError */
 Raster contact_sheet(const std::vector<std::filesystem::path> &pictures, int width = 1600);
 
+/// A picture made smaller by box averages of light, no wider than that; 8 bits.
+Raster shrunk(const Raster &picture, int widest_pixels);
+
 }  // namespace greenray

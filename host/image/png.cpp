@@ -157,7 +157,7 @@ Raster quantise(const RgbImage &display_linear, int bits, bool dither) {
   return raster;
 }
 
-void write_png(AtomicFile &file, const Raster &raster) {
+std::vector<char> encode_png(const Raster &raster) {
   const std::size_t samples = 3 * static_cast<std::size_t>(raster.width) * static_cast<std::size_t>(raster.height);
   if (samples == 0 || raster.rgb.size() != samples || (raster.bits != 8 && raster.bits != 16))
     throw std::invalid_argument("PNG pixels do not fit the size of the picture");
@@ -173,7 +173,12 @@ void write_png(AtomicFile &file, const Raster &raster) {
     done = encode(png, info, raster, rows);
   }
   png_destroy_write_struct(&png, &info);
-  if (!done) throw RunError("cannot write " + file.target().string() + ": " + problem.message);
+  if (!done) throw RunError(std::string("libpng cannot encode a picture: ") + problem.message);
+  return encoded;
+}
+
+void write_png(AtomicFile &file, const Raster &raster) {
+  const std::vector<char> encoded = encode_png(raster);
   file.write(encoded.data(), encoded.size());
 }
 

@@ -27,6 +27,7 @@ void quantise_samples(const float *display_linear, std::size_t count, std::size_
                       std::uint16_t *levels);
 
 /// PNG with sRGB, gAMA and cHRM chunks. errors: RunError.
+std::vector<char> encode_png(const Raster &raster);
 void write_png(AtomicFile &file, const Raster &raster);
 void write_png(const std::filesystem::path &path, const Raster &raster);
 

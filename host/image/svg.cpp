@@ -15,6 +15,9 @@ constexpr double margin_left = 66, margin_right = 22, margin_top = 64, margin_bo
                  gap = 76;
 const char *const font = "font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\"";
 
+/// Of words that may stand on a line.
+const char *const halo = " paint-order=\"stroke\" stroke=\"#fbfbf9\" stroke-width=\"3\" stroke-opacity=\"0.8\"";
+
 std::string escaped(const std::string &text) {
   std::string safe;
   for (const char c : text) {
@@ -57,6 +60,11 @@ std::string px(double value) {
 
 std::string text_at(double x, double y, const std::string &text, const std::string &style) {
   return "<text x=\"" + px(x) + "\" y=\"" + px(y) + "\" " + style + ">" + clean(text) + "</text>\n";
+}
+
+std::size_t letters_of(const std::string &text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
 /// `text` cut to a width in pixels, for letters of `size` pixels.
@@ -130,7 +138,7 @@ class PanelDrawing {
     for (const PlotLine &line : panel_.lines) svg += path(line);
     svg += levels() + "</g>\n<rect" + frame + " fill=\"none\" stroke=\"#444\"/>\n";
     for (const PlotLine &line : panel_.lines) svg += markers(line);
-    return svg + labels() + (with_legend_ ? legend() : "");
+    return svg + notes() + labels() + (with_legend_ ? legend() : "");
   }
 
  private:
@@ -152,7 +160,7 @@ class PanelDrawing {
              px(tall) + "\" fill=\"" + clean(band.colour) + "\" fill-opacity=\"0.22\"/>\n";
       if (!band.name.empty() && tall > 12)
         svg += text_at(left_ + width_ - 5, px_y(std::min(high, 1.0)) + 11, band.name,
-                       std::string(font) + " font-size=\"9.5\" fill=\"#7a4d00\" text-anchor=\"end\"");
+                       std::string(font) + halo + " font-size=\"9.5\" fill=\"#7a4d00\" text-anchor=\"end\"");
     }
     return svg;
   }
@@ -208,7 +216,46 @@ class PanelDrawing {
       svg += line_at(left_, at, left_ + width_, at,
                      "stroke=\"" + clean(level.colour) + "\" stroke-width=\"1.2\" stroke-dasharray=\"2 3\"");
       svg += text_at(left_ + 5, y > 0.94 ? at + 11 : at - 4, level.name,
-                     std::string(font) + " font-size=\"9.5\" fill=\"" + clean(level.colour) + "\"");
+                     std::string(font) + halo + " font-size=\"9.5\" fill=\"" + clean(level.colour) + "\"");
+    }
+    return svg;
+  }
+
+  /// Labels of points: each at the nearest of some places around its point where it covers no other one.
+  std::string notes() const {
+    struct Box {
+      double x, y, half;  // centre, half of the width
+    };
+    constexpr double half_high = 7;
+    std::vector<Box> taken;
+    for (const PlotLine &line : panel_.lines)
+      for (std::size_t i = 0; line.marker != PlotMarker::none && i < std::min(line.x.size(), line.y.size()); ++i)
+        taken.push_back({px_x(x_.at(line.x[i])), px_y(y_.at(line.y[i])), 5});
+    std::string svg;
+    for (const PlotLabel &label : panel_.labels) {
+      const double x = x_.at(label.x), y = y_.at(label.y);
+      if (!(x >= 0 && x <= 1 && y >= 0 && y <= 1)) continue;
+      const double at_x = px_x(x), at_y = px_y(y), half = 4 + 3.4 * static_cast<double>(letters_of(label.text));
+      const auto free = [&](const Box &b) {
+        return b.x - half > left_ && b.x + half < left_ + width_ && b.y - half_high > margin_top &&
+               b.y + half_high < margin_top + height_ && std::none_of(taken.begin(), taken.end(), [&](const Box &t) {
+                 return std::abs(t.x - b.x) < t.half + half && std::abs(t.y - b.y) < 2 * half_high;
+               });
+      };
+      Box box{at_x, at_y - 13, half};
+      for (int k = 0; k < 96 && !free(box); ++k) {
+        const double around = (k % 16) * 0.3926990817 - 1.5707963268, away = 14 + half * 0.5 + 12 * (k / 16);
+        box = {at_x + away * std::cos(around), at_y + away * std::sin(around), half};
+      }
+      if (!free(box)) continue;
+      taken.push_back(box);
+      svg += line_at(at_x, at_y, box.x, box.y, "stroke=\"" + clean(label.colour) + "\" stroke-width=\"0.6\"");
+      svg += "<rect x=\"" + px(box.x - half) + "\" y=\"" + px(box.y - half_high) + "\" width=\"" + px(2 * half) +
+             "\" height=\"" + px(2 * half_high) + "\" rx=\"4\" fill=\"white\" fill-opacity=\"0.85\" stroke=\"" +
+             clean(label.colour) + "\" stroke-width=\"0.6\"/>\n";
+      svg += text_at(
+          box.x, box.y + 3.8, label.text,
+          std::string(font) + " font-size=\"10.5\" text-anchor=\"middle\" fill=\"" + clean(label.colour) + "\"");
     }
     return svg;
   }
@@ -288,20 +335,54 @@ std::string svg_swatch(const PlotLine &line) {
          "</svg>";
 }
 
-std::string draw_svg(const Plot &plot) {
+namespace {
+
+struct Extent {
+  double width, height;
+};
+
+Extent extent_of(const Plot &plot) {
   const double panels = static_cast<double>(plot.panels.size());
-  const double width = margin_left + margin_right + panels * plot.panel_width + std::max(0.0, panels - 1) * gap;
-  const double height = margin_top + plot.panel_height + (plot.legend ? margin_bottom : margin_bottom_bare);
-  std::string svg =
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
-      "version=\"1.1\" width=\"" +
-      px(width) + "\" height=\"" + px(height) + "\" viewBox=\"0 0 " + px(width) + " " + px(height) + "\">\n<title>" +
-      clean(plot.title) + "</title>\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
+  return {margin_left + margin_right + panels * plot.panel_width + std::max(0.0, panels - 1) * gap,
+          margin_top + plot.panel_height + (plot.legend ? margin_bottom : margin_bottom_bare)};
+}
+
+std::string opening_tag(const Extent &extent, double y) {
+  return "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\"" + (y > 0 ? " y=\"" + px(y) + "\"" : "") +
+         " width=\"" + px(extent.width) + "\" height=\"" + px(extent.height) + "\" viewBox=\"0 0 " + px(extent.width) +
+         " " + px(extent.height) + "\">\n";
+}
+
+std::string contents_of(const Plot &plot) {
+  const double width = extent_of(plot).width;
+  std::string svg = "<title>" + clean(plot.title) + "</title>\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
   svg += text_at(margin_left, 26, shortened(plot.title, width - margin_left - 20, 17),
                  std::string(font) + " font-size=\"16\" font-weight=\"bold\" fill=\"#111\"");
   svg += text_at(margin_left, 46, shortened(plot.subtitle, width - margin_left - 20, 11.5),
                  std::string(font) + " font-size=\"11.5\" fill=\"#555\"");
   for (std::size_t i = 0; i < plot.panels.size(); ++i) svg += PanelDrawing(plot, plot.panels[i], i).draw();
+  return svg;
+}
+
+const char *const xml_line = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
+
+}  // namespace
+
+std::string draw_svg(const Plot &plot) {
+  return xml_line + opening_tag(extent_of(plot), 0) + contents_of(plot) + "</svg>\n";
+}
+
+std::string draw_svg(std::vector<Plot> plots) {
+  Extent all{0, 0};
+  for (const Plot &plot : plots)
+    all = {std::max(all.width, extent_of(plot).width), all.height + extent_of(plot).height};
+  std::string svg = xml_line + opening_tag(all, 0) + "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
+  double y = 0;
+  for (std::size_t i = 0; i < plots.size(); ++i) {
+    plots[i].id += "plot" + std::to_string(i);
+    svg += opening_tag(extent_of(plots[i]), y) + contents_of(plots[i]) + "</svg>\n";
+    y += extent_of(plots[i]).height;
+  }
   return svg + "</svg>\n";
 }
 

@@ -42,11 +42,19 @@ struct PlotLevel {
   std::string colour = "#8a2b2b";
 };
 
+/// A word or two at a point, moved aside with a thin leader where it would cover another or leave the frame.
+struct PlotLabel {
+  double x = 0, y = 0;
+  std::string text;
+  std::string colour = "#111111";
+};
+
 struct PlotPanel {
   PlotAxis x, y;
   std::vector<PlotLine> lines;
   std::vector<PlotBand> bands;
   std::vector<PlotLevel> levels;
+  std::vector<PlotLabel> labels = {};
 };
 
 struct Plot {
@@ -63,6 +71,9 @@ std::string svg_swatch(const PlotLine &line);
 /* The plot as a standalone SVG 1.1 document, UTF-8. All text is escaped; what cannot be drawn (no finite point, limits
    that coincide) gives an empty or widened panel, never a NaN. The same plot gives the same bytes. */
 std::string draw_svg(const Plot &plot);
+
+/// Plots one below the other in one document of the same kind. Their ids are made different.
+std::string draw_svg(std::vector<Plot> plots);
 
 /// Ticks of a linear axis: 1, 2 or 5 times a power of ten, `wanted` of them or a few less, inside [low, high].
 std::vector<double> linear_ticks(double low, double high, int wanted = 6);

@@ -10,7 +10,7 @@
 namespace greenray {
 
 f64::RayEnd trace_on_host(const IndexTable &table, std::size_t row, double height_m, double elevation_rad,
-                          const LayerAbsorbers &shapes) {
+                          const LayerAbsorbers &shapes, double step_rad) {
   std::vector<f64::IndexCell> cells;
   for (std::size_t i = 0; i < table.cells_per_row; ++i) {
     const IndexCellData &c = table.cell(row, i);
@@ -23,7 +23,7 @@ f64::RayEnd trace_on_host(const IndexTable &table, std::size_t row, double heigh
   }
   f64::RayStart start = launch(table, row, height_m, elevation_rad);
   start.row = 0;
-  const f64::TraceSettings settings{1e-12, 100000, static_cast<int>(table.cells_per_row)};
+  const f64::TraceSettings settings{step_rad, 100000, static_cast<int>(table.cells_per_row)};
   const f64::Absorbers absorbers{table.curvature_per_m, shapes.ozone_peak_m, shapes.ozone_width_m,
                                  shapes.aerosol_scale_m};
   f64::March march;

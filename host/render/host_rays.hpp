@@ -10,9 +10,9 @@
 
 namespace greenray {
 
-/// One ray of a row of the table to its end; local error 1e-12 rad a step.
+/// One ray of a row of the table to its end; step_rad: local error a step.
 f64::RayEnd trace_on_host(const IndexTable &table, std::size_t row, double height_m, double elevation_rad,
-                          const LayerAbsorbers &absorbers = {});
+                          const LayerAbsorbers &absorbers = {}, double step_rad = 1e-12);
 
 /// Rays of one eye at one wavelength, by elevation [rad].
 using HostRay = std::function<f64::RayEnd(double elevation_rad)>;

@@ -211,6 +211,18 @@ void note_azimuths(const Scene &scene, const RenderOptions &options, RenderPlan 
   if (seen) plan.left_out.push_back("change of the air with azimuth: " + words.str());
 }
 
+void plan_sea(const Scene &scene, RenderPlan &plan) {
+  if (!scene.sea.rough) return;
+  const SeaState state = sea_state(scene.sea);
+  std::ostringstream words;
+  words << "waves of " << 4 * state.height_m << " m significant height, slopes of " << to_deg(state.slope) << " deg";
+  if (state.height_m <= 0) return plan.left_out.push_back("waves: a wind of 0 m/s raises none");
+  if (plan.per_pixel) return plan.left_out.push_back("waves: tracing.transfer = \"per-pixel\"");
+  plan.rough_sea = true;
+  plan.choices.push_back({"sea", "rough", words.str() + "; crests in a ray's way are counted along it", 0, ""});
+  plan.modelled.push_back("waves before the horizon and before targets: " + words.str());
+}
+
 void plan_targets(const Scene &scene, RenderPlan &plan) {
   plan.station_m = station_distances_m(scene);
   if (plan.station_m.empty()) return;
@@ -297,6 +309,7 @@ RenderPlan plan_render(const Scene &scene, const RenderOptions &options) {
   choose_wavelengths(scene, options, plan);
   note_azimuths(scene, options, plan);
   plan_targets(scene, plan);
+  plan_sea(scene, plan);
 
   const bool own = options.spp || options.error_pct || options.minutes;
   const std::optional<int> spp = own ? options.spp : t.spp;
@@ -311,10 +324,10 @@ RenderPlan plan_render(const Scene &scene, const RenderOptions &options) {
                     plan.entries * plan.wavelengths_nm.size() * 300;
   plan.device_bytes =
       pixels * (padded + 2) * sizeof(float) + plan.entries * padded * 12 * sizeof(float) + (std::size_t{1} << 18) * 168;
-  if (!plan.station_m.empty()) {
-    plan.device_bytes += plan.entries * plan.station_m.size() * padded * f32::TARGET_CHANNEL_COUNT * sizeof(float);
-    plan.host_bytes += plan.entries * plan.station_m.size() *
-                       (padded * f32::TARGET_CHANNEL_COUNT * sizeof(float) + plan.bent_nm.size() * 200);
+  if (const std::size_t stations = plan.station_m.size() + (plan.rough_sea ? 1 : 0); stations > 0) {
+    plan.device_bytes += plan.entries * stations * padded * f32::TARGET_CHANNEL_COUNT * sizeof(float);
+    plan.host_bytes +=
+        plan.entries * stations * (padded * f32::TARGET_CHANNEL_COUNT * sizeof(float) + plan.bent_nm.size() * 200);
   }
   explain(scene, options, plan);
   return plan;

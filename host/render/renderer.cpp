@@ -144,16 +144,24 @@ class Renderer {
     if (sun_.shines) report_.sun_optical_depth = optical_depth(light_.towards_sun[middle], light_.air[middle]);
     measure_bias(sky, waves);
     const TargetShapes shapes = target_shapes(scene_, plan_.station_m);
+    const SeaDraw sea = sight_->sea() ? draw_waves(*sight_->sea()) : SeaDraw{};
     const TargetTable targets = make_target_table(scene_, shapes, light_, plan_.wavelengths_nm, sight_->stations(),
-                                                  sight_->transfer().edges, waves);
+                                                  sight_->transfer().edges, sea, waves);
     SkyPicture picture(plan_);
     if (plan_.per_pixel) shade_per_pixel(shapes, picture);
     else shade_from_table(sky, targets, picture);
     picture.describe(view(), sight_->transfer());
-    if (targets.any()) picture.describe_targets(view(), targets, sight_->stations());
+    if (!targets.targets.empty()) picture.describe_targets(view(), targets, sight_->stations());
     report_.noise_rms = picture.noise_rms();
     image_ = picture.take();
     report_.gather_seconds = seconds_since(begin) - (device_->compile_seconds() - compiled_before);
+  }
+
+  SeaDraw draw_waves(const SeaSights &sights) const {
+    const double pixel_rad = from_arcsec(plan_.pixel_arcsec);
+    const double tilt = std::cos(to_rad(scene_.observer.altitude_deg));  // azimuths widen towards the zenith
+    const double half_rad = std::min(0.55 * to_rad(scene_.observer.fov_deg) / std::max(tilt, 0.05) + 2 * pixel_rad, pi);
+    return draw_sea(sights, sea_state(scene_.sea), half_rad, pixel_rad, options_.seed);
   }
 
   void shade_per_pixel(const TargetShapes &shapes, SkyPicture &picture) {

@@ -46,6 +46,7 @@ struct RenderPlan {
   bool section = false;              // the air varies along the surface: adaptive steps
   double azimuth_from_path_rad = 0;  // of the picture's middle, clockwise from the direction of x
   std::vector<double> station_m;     // distances of targets, ascending
+  bool rough_sea = false;            // waves before the horizon
   bool per_pixel = false;            // rays for every sample instead of a transfer table
   double pixel_arcsec = 0;
   double first_elevation_deg = 0, spacing_arcsec = 0;

@@ -72,7 +72,7 @@ class Room {
     std::vector<std::string> changed;
     try {
       found = read_checkpoint(options_.checkpoint);
-      if (found) changed = changed_keys(found->identity, room_identity(scene_, options_, plan_));
+      if (found) changed = changed_keys(found->identity, identity());
     } catch (const InputError &error) {
       if (must) throw;
       return say("the checkpoint " + options_.checkpoint.string() + " is damaged: starting anew");
@@ -95,6 +95,12 @@ class Room {
     std::string keys;
     for (const std::string &key : changed) keys += (keys.empty() ? "" : "; ") + key;
     say("the checkpoint is of another picture, starting anew: " + keys);
+  }
+
+  RoomIdentity identity() const {
+    RoomIdentity own = room_identity(scene_, options_, plan_);
+    own.options["--lanes"] = std::to_string(device_->lanes().lanes_float);  // sums over lanes have another order
+    return own;
   }
 
   void restore() {
@@ -173,7 +179,7 @@ class Room {
     pass_seconds_ = seconds_since(begin);
     totals_ = statistics_->totals(counts_, static_cast<std::size_t>(plan_.width()));
     state_.photons = photons_->totals();
-    if (!options_.checkpoint.empty() && seconds_since(last_kept_) >= options_.checkpoint_seconds) keep();
+    if (!options_.checkpoint.empty() && seconds_since(last_kept_) >= options_.checkpoint_seconds) keep_if_possible();
   }
 
   /// Both maps share out the dots as they share the photons.
@@ -210,8 +216,18 @@ class Room {
     throw Error(ExitCode::stopped_early, std::string(error.what()) + "; " + kept);
   }
 
+  /// A full disk must not end a render that may still fit its picture.
+  void keep_if_possible() {
+    try {
+      keep();
+    } catch (const RunError &error) {
+      say(std::string("no checkpoint: ") + error.what());
+      last_kept_ = Clock::now();
+    }
+  }
+
   void keep() {
-    RoomCheckpoint checkpoint{room_identity(scene_, options_, plan_), state_};
+    RoomCheckpoint checkpoint{identity(), state_};
     RoomState &s = checkpoint.state;
     s.passes = statistics_->passes();
     s.statistics = statistics_->state();

@@ -32,6 +32,15 @@ void set_passes(RoomPlan &plan, const RoomScene &scene, const RoomOptions &optio
   if (options.spp) plan.passes = std::min(plan.passes, spp);
 }
 
+/// A picture of the scene's own number of photons has `gather` of them in an estimate. Of more photons, passes take
+/// what makes noise and bias fall alike, as photons^(-1/3): noise^2 goes as 1/passes, bias as the area of a pass's
+/// estimates.
+int passes_for(std::int64_t photons, std::int64_t of_scene) {
+  if (photons < enough_for_passes) return 1;
+  const double more = std::max(1.0, static_cast<double>(photons) / static_cast<double>(of_scene));
+  return static_cast<int>(std::min<double>(std::round(ordinary_passes * std::cbrt(more * more)), most_passes));
+}
+
 }  // namespace
 
 std::uint32_t RoomPlan::photons_of(int pass) const {
@@ -41,6 +50,8 @@ std::uint32_t RoomPlan::photons_of(int pass) const {
   };
   return static_cast<std::uint32_t>(part(pass + 1) - part(pass));
 }
+
+bool RoomPlan::even_radii() const { return !open && passes > ordinary_passes; }
 
 RoomPlan plan_room(const RoomScene &scene, const RoomOptions &options) {
   RoomPlan plan;
@@ -55,7 +66,9 @@ RoomPlan plan_room(const RoomScene &scene, const RoomOptions &options) {
     plan.region[a + 2] = c[a + 2] + RoomPlan::margin;
   }
   plan.photons = options.photons.value_or(scene.photons.emitted);
-  const int passes = options.passes > 0 ? options.passes : plan.photons < enough_for_passes ? 1 : ordinary_passes;
+  const int passes = options.passes > 0                     ? options.passes
+                     : options.error_pct || options.minutes ? passes_for(plan.photons, plan.photons)
+                                                            : passes_for(plan.photons, scene.photons.emitted);
   plan.photons_a_pass = std::min(divided_up(plan.photons, passes), most_photons_a_pass);
   set_passes(plan, scene, options);
   return plan;

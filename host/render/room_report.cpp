@@ -81,6 +81,7 @@ Json room_plan_json(const RoomScene &scene, const RoomOptions &options) {
 Json room_report_json(const RoomScene &scene, const RoomOptions &options, const RoomReport &r, const Device &device,
                       double develop_seconds, double total_seconds) {
   const PhotonTotals &p = r.photons;
+  const double passes = std::max(r.passes, 1);
   return {
       {"scene", scene.name},
       {"title", scene.title},
@@ -102,11 +103,11 @@ Json room_report_json(const RoomScene &scene, const RoomOptions &options, const 
         {"aimed_cells", r.aimed_cells},
         {"path_pieces", p.pieces}}},
       {"energy_W_nm",
-       {{"emitted", p.emitted},
-        {"absorbed", p.absorbed},
-        {"escaped", p.escaped},
-        {"medium", p.medium},
-        {"dropped", p.dropped}}},
+       {{"emitted", p.emitted / passes},
+        {"absorbed", p.absorbed / passes},
+        {"escaped", p.escaped / passes},
+        {"medium", p.medium / passes},
+        {"dropped", p.dropped / passes}}},
       {"surfaces", {{"triangles", r.triangles}, {"spheres", r.spheres}}},
       {"medium", {{"cells", r.air_cells}, {"error_m", r.table_error_m}}},
       {"samples_per_pixel", r.spp},

@@ -39,9 +39,9 @@ void add_sample(SkyRays &rays, const SkyLight &light, const OwnRayTargets &own_t
   const SkyTable sky = make_sky_table(light, own, waves);
   TargetTable table;
   if (own_targets.places)
-    table =
-        make_target_table(own_targets.scene, own_targets.shapes, light, plan.wavelengths_nm,
-                          trace_stations(*own_targets.places, row.elevations_rad, plan.station_m, azimuths), {}, waves);
+    table = make_target_table(own_targets.scene, own_targets.shapes, light, plan.wavelengths_nm,
+                              trace_stations(*own_targets.places, row.elevations_rad, plan.station_m, azimuths), {}, {},
+                              waves);
   const f32::Targets targets = table.view(waves);
   for (int column = 0; column < v.width; ++column) {
     const float half_azimuth = f32::sine_half_from_sun(&v, row.azimuths_rad[static_cast<std::size_t>(column)]);
@@ -50,7 +50,7 @@ void add_sample(SkyRays &rays, const SkyLight &light, const OwnRayTargets &own_t
     for (int w = 0; w < waves; ++w) {
       const float behind = f32::sky_radiance(&v, sky.values.data(), sky.disks.data(), waves, w, column, 0,
                                              row.azimuths_rad[static_cast<std::size_t>(column)], half_azimuth, weight);
-      const float radiance = f32::before_targets(&v, &targets, behind, w, column, 0,
+      const float radiance = f32::before_targets(&v, &targets, behind, behind, w, column, 0,
                                                  row.azimuths_rad[static_cast<std::size_t>(column)], half_azimuth);
       sums.spectra[static_cast<std::size_t>(column * waves + w)] += radiance;
       band += radiance;

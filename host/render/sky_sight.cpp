@@ -63,7 +63,8 @@ SkySight::SkySight(const Scene &scene, const RenderPlan &plan, const RenderOptio
   report_.build_seconds = seconds_since(begin);
   progress("rays");
   trace_table();
-  if (!plan_.station_m.empty()) trace_targets(scene);
+  if (!plan_.station_m.empty() || plan_.rough_sea) trace_targets(scene);
+  if (plan_.rough_sea) trace_waves(scene);
 }
 
 /// Error of the table: its rays against those of a table thirty times finer, in double on the host. Error of the
@@ -150,12 +151,25 @@ void SkySight::trace_targets(const Scene &scene) {
   const auto begin = Clock::now();
   const double compiled_before = device_->compile_seconds();
   places_.emplace(air_, plan_.bent_nm, ray_options(scene), plan_.section, device_);
-  std::vector<double> elevations, middles;
+  std::vector<double> elevations, middles;  // of a smooth sea the stations; of a rough one without targets none
   for (std::size_t e = 0; e < transfer_.entries; ++e) elevations.push_back(transfer_.elevation_rad(e));
   for (const std::size_t e : probes_.below) middles.push_back(transfer_.elevation_rad(e) + 0.5 * transfer_.spacing_rad);
   stations_ = trace_stations(*places_, elevations, plan_.station_m);
-  report_.target_arcsec = station_error_arcsec(stations_, transfer_.edges, probes_.below,
-                                               trace_stations(*places_, middles, plan_.station_m));
+  if (!plan_.station_m.empty())
+    report_.target_arcsec = station_error_arcsec(stations_, transfer_.edges, probes_.below,
+                                                 trace_stations(*places_, middles, plan_.station_m));
+  report_.emit_seconds += std::max(0.0, seconds_since(begin) - (device_->compile_seconds() - compiled_before));
+}
+
+void SkySight::trace_waves(const Scene &scene) {
+  const auto begin = Clock::now();
+  const double compiled_before = device_->compile_seconds();
+  std::vector<double> three = plan_.bent_nm;
+  if (three.size() > 3) three = {three.front(), three[three.size() / 2], three.back()};
+  if (three.size() == 2) three.insert(three.begin() + 1, three.front());
+  SightPlaces rays(air_, three, ray_options(scene), plan_.section, device_);
+  sea_ = trace_sea(rays, transfer_, plan_.station_m, sea_state(scene.sea), height_m_,
+                   scene.atmosphere.profile.earth_radius_m, plan_.section);
   report_.emit_seconds += std::max(0.0, seconds_since(begin) - (device_->compile_seconds() - compiled_before));
 }
 

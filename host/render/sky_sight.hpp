@@ -33,6 +33,8 @@ class SkySight {
   /// Where the entries' rays pass the targets of the scene; without targets empty.
   const StationSights &stations() const { return stations_; }
   SightPlaces &places() { return *places_; }
+  /// What waves hide; nothing: a smooth sea.
+  const std::optional<SeaSights> &sea() const { return sea_; }
   /// Rays at one apparent altitude, [wavelengths of the picture].
   std::vector<Transfer> rays_at(double altitude_deg);
   /// Its part of a picture's report: cells, errors, rays, seconds.
@@ -42,6 +44,7 @@ class SkySight {
   void measure_table();
   void trace_table();
   void trace_targets(const Scene &scene);
+  void trace_waves(const Scene &scene);
   bool measures_solver() const;
   HostRay finer_ray(double wavelength_nm) const;
   SkyRayOptions ray_options(const Scene &scene) const;
@@ -60,6 +63,7 @@ class SkySight {
   std::shared_ptr<const SkyField> field_;
   std::optional<SightPlaces> places_;
   StationSights stations_;
+  std::optional<SeaSights> sea_;
   RenderReport report_;
 };
 

@@ -159,7 +159,9 @@ std::vector<double> station_distances_m(const Scene &scene) {
 
 StationSights trace_stations(SightPlaces &rays, const std::vector<double> &elevations_rad,
                              const std::vector<double> &station_m, const std::vector<double> &azimuths_rad) {
-  StationSights sights{station_m, elevations_rad, 0, rays.at(elevations_rad, station_m, azimuths_rad)};
+  StationSights sights{station_m, elevations_rad, 0, {}};
+  if (station_m.empty()) return sights;
+  sights.places = rays.at(elevations_rad, station_m, azimuths_rad);
   sights.wavelengths = sights.places.size() / (elevations_rad.size() * station_m.size());
   return sights;
 }
@@ -186,40 +188,90 @@ TargetShapes target_shapes(const Scene &scene, const std::vector<double> &statio
   return ShapeMaker(scene, station_m).make();
 }
 
+SeaDraw draw_sea(const SeaSights &sights, const SeaState &state, double half_width_rad, double pixel_rad,
+                 std::uint64_t seed) {
+  constexpr double most = 1 << 18;
+  const double width_rad = 1 / (state.crests_per_m() * sights.horizon_m);  // a crest as wide as they are apart
+  SeaDraw draw{&sights, {}, -half_width_rad, 0};
+  draw.step_rad = std::max(std::min(pixel_rad / 2, width_rad / 8), 2 * half_width_rad / most);
+  const auto count = static_cast<std::size_t>(2 * half_width_rad / draw.step_rad) + 2;
+  draw.thresholds = crest_thresholds(draw.first_rad, draw.step_rad, count, width_rad, seed);
+  return draw;
+}
+
+namespace {
+
+/// Writes the channels of stations and sea for all entries.
+class SightWriter {
+ public:
+  SightWriter(const SkyLight &light, const StationSights &sights, const SeaDraw &sea, const std::vector<float> &edges,
+              std::size_t wavelengths, std::size_t padded)
+      : light_(light), sights_(sights), sea_(sea), edges_(edges), wavelengths_(wavelengths), padded_(padded) {
+    const std::size_t stations = sights.station_m.size() + (sea.sights ? 1 : 0);
+    entries_ = sights.elevation_rad.size();
+    for (double distance_m : sights.station_m) air_before_.emplace_back(light, distance_m);
+    table_.assign(entries_ * stations * f32::TARGET_CHANNEL_COUNT * padded, 0.0f);
+    for (std::size_t e = 0; e < entries_; ++e)
+      for (std::size_t s = 0; s < stations; ++s)
+        for (std::size_t w = 0; w < wavelengths; ++w) {
+          float *at = &table_[(e * stations + s) * f32::TARGET_CHANNEL_COUNT * padded + w];
+          if (s < sights.station_m.size()) write_station(at, e, s, w);
+          else at[f32::TARGET_JOINED * padded] = edge(e, w);
+          if (sea.sights) at[f32::TARGET_CRESTS * padded] = sea.sights->at(e, w, s);
+        }
+  }
+  std::vector<float> take() { return std::move(table_); }
+
+ private:
+  float edge(std::size_t entry, std::size_t wave) const {
+    return edges_.empty() || entry + 1 == entries_ ? 1.0f : edges_[entry * wavelengths_ + wave];
+  }
+
+  void write_path(float *at, double from_sun_rad, const PathLight &air) const {
+    at[f32::TARGET_PASSED * padded_] = static_cast<float>(air.passed);
+    at[f32::TARGET_AIRLIGHT * padded_] = static_cast<float>(air.isotropic);
+    at[f32::TARGET_AUREOLE * padded_] = static_cast<float>(air.aureole);
+    at[f32::TARGET_FROM_SUN * padded_] = static_cast<float>(from_sun_rad);
+  }
+
+  void write_station(float *at, std::size_t e, std::size_t s, std::size_t w) const {
+    const SightPlace &place = sights_.at(e, w, s);
+    Transfer path{};
+    path.column = place.column;
+    path.bending_rad = place.bending_rad;
+    path.true_altitude_rad = sights_.elevation_rad[e] - place.bending_rad;
+    write_path(at, path.true_altitude_rad - light_.sun.true_altitude_rad, air_before_[s].at(path, w));
+    at[f32::TARGET_HEIGHT * padded_] = static_cast<float>(place.height_m);
+    const SightPlace &next = sights_.at(std::min(e + 1, entries_ - 1), w, s);
+    at[f32::TARGET_JOINED * padded_] = joined(place, next, edge(e, w));
+  }
+
+  const SkyLight &light_;
+  const StationSights &sights_;
+  const SeaDraw &sea_;
+  const std::vector<float> &edges_;
+  std::size_t wavelengths_, padded_, entries_ = 0;
+  std::vector<LightOfPaths> air_before_;  // of each station
+  std::vector<float> table_;
+};
+
+}  // namespace
+
 TargetTable make_target_table(const Scene &scene, const TargetShapes &shapes, const SkyLight &light,
                               const std::vector<double> &wavelengths_nm, const StationSights &sights,
-                              const std::vector<float> &edges, int waves) {
+                              const std::vector<float> &edges, const SeaDraw &sea, int waves) {
   TargetTable table;
-  if (shapes.rows.empty()) return table;
+  if (shapes.rows.empty() && !sea.sights) return table;
   const auto padded = static_cast<std::size_t>(waves);
-  const std::size_t stations = sights.station_m.size(), entries = sights.elevation_rad.size();
-  table.stations = static_cast<int>(stations);
+  table.stations = static_cast<int>(sights.station_m.size()) + (sea.sights ? 1 : 0);
   table.targets = shapes.rows;
   table.corners = shapes.corners;
   table.texels = shapes.texels;
-  table.sight.assign(entries * stations * f32::TARGET_CHANNEL_COUNT * padded, 0.0f);
-  std::vector<LightOfPaths> air_before;
-  for (double distance_m : sights.station_m) air_before.emplace_back(light, distance_m);
-  for (std::size_t e = 0; e < entries; ++e)
-    for (std::size_t s = 0; s < stations; ++s) {
-      float *at = &table.sight[(e * stations + s) * f32::TARGET_CHANNEL_COUNT * padded];
-      for (std::size_t w = 0; w < wavelengths_nm.size(); ++w, ++at) {
-        const SightPlace &place = sights.at(e, w, s);
-        Transfer path{};
-        path.column = place.column;
-        path.bending_rad = place.bending_rad;
-        path.true_altitude_rad = sights.elevation_rad[e] - place.bending_rad;
-        const PathLight air = air_before[s].at(path, w);
-        at[f32::TARGET_HEIGHT * padded] = static_cast<float>(place.height_m);
-        at[f32::TARGET_PASSED * padded] = static_cast<float>(air.passed);
-        at[f32::TARGET_AIRLIGHT * padded] = static_cast<float>(air.isotropic);
-        at[f32::TARGET_AUREOLE * padded] = static_cast<float>(air.aureole);
-        at[f32::TARGET_FROM_SUN * padded] = static_cast<float>(path.true_altitude_rad - light.sun.true_altitude_rad);
-        const bool last = edges.empty() || e + 1 == entries;
-        at[f32::TARGET_JOINED * padded] =
-            last ? 1.0f : joined(place, sights.at(e + 1, w, s), edges[e * wavelengths_nm.size() + w]);
-      }
-    }
+  table.crests = sea.thresholds;
+  table.sea_entry = sea.sights ? static_cast<int>(sea.sights->sea_entry) : 0;
+  table.first_crest_rad = static_cast<float>(sea.first_rad);
+  table.crests_per_rad = static_cast<float>(1 / sea.step_rad);
+  table.sight = SightWriter(light, sights, sea, edges, wavelengths_nm.size(), padded).take();
   table.light.assign((f32::TARGET_LIGHT_FIRST + shapes.rows.size()) * padded, 0.0f);
   TargetLight lights;
   for (std::size_t w = 0; w < wavelengths_nm.size(); ++w) {

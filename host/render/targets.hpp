@@ -4,6 +4,7 @@
 
 #include "compute/sky_shader.hpp"
 #include "render/renderer.hpp"
+#include "render/sea.hpp"
 #include "render/sight_places.hpp"
 #include "render/sky.hpp"
 
@@ -40,9 +41,19 @@ struct TargetShapes {
 };
 TargetShapes target_shapes(const Scene &scene, const std::vector<double> &station_m);
 
+/// The waves of a picture: what they hide, and one draw of them over its azimuths. sights: null: a smooth sea.
+struct SeaDraw {
+  const SeaSights *sights = nullptr;
+  std::vector<float> thresholds;
+  double first_rad = 0, step_rad = 1;
+};
+/// half_width_rad: azimuths from the picture's middle to beyond its sides.
+SeaDraw draw_sea(const SeaSights &sights, const SeaState &state, double half_width_rad, double pixel_rad,
+                 std::uint64_t seed);
+
 /// edges: as TransferTable.edges, empty: no jumps. waves: padded.
 TargetTable make_target_table(const Scene &scene, const TargetShapes &shapes, const SkyLight &light,
                               const std::vector<double> &wavelengths_nm, const StationSights &sights,
-                              const std::vector<float> &edges, int waves);
+                              const std::vector<float> &edges, const SeaDraw &sea, int waves);
 
 }  // namespace greenray

@@ -5,6 +5,7 @@
 
 #include "atmosphere/profile_file.hpp"
 #include "scene/absorbers_file.hpp"
+#include "scene/eye_file.hpp"
 #include "scene/room_reader.hpp"
 
 namespace greenray {
@@ -135,11 +136,7 @@ void read_rest(const TomlTable &root, RoomScene &scene) {
       spectrum.complain("range_nm", "expected [from, to] in nm, from below to (or the same with samples = 1)");
     else scene.spectrum.range_nm = {range[0], range[1]};
   }
-  const TomlTable eye = root.table("eye");
-  eye.read_word(
-      "model", scene.eye.model,
-      {{"human", EyeScene::Model::human}, {"camera", EyeScene::Model::camera}, {"none", EyeScene::Model::none}});
-  eye.read("exposure_ev", scene.eye.exposure_ev, {-50, 50, "stops"});
+  read_eye_scene(root.table("eye"), scene.eye);
   const TomlTable output = root.table("output");
   output.read("image", scene.output.image);
   output.read("spectral", scene.output.spectral);

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <vector>
 
 namespace greenray {
 namespace {
 
 constexpr double most_m = 1e7, least_m = 1e-6, most_sizes = 20000;
+constexpr std::size_t most_materials = 32766;  // two numbers of glasses fit an int
 
 struct Reach {
   Triple low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
@@ -57,6 +59,9 @@ void check_reach(const RoomScene &scene) {
     if (has_place(light)) reach.include(light.from);
   const double far = reach.farthest_m();
   const SourcePlace place{scene.file, 1, 1};
+  if (scene.materials.size() > most_materials)
+    throw InputError(place, "expected at most " + std::to_string(most_materials) + " materials, found " +
+                                std::to_string(scene.materials.size()));
   if (!(size >= least_m)) throw InputError(place, "expected surfaces of a micrometre or more, found " + in_m(size));
   if (!(far <= most_m)) throw InputError(place, "expected everything within 1e7 m, found " + in_m(far));
   if (far > most_sizes * size)
@@ -79,32 +84,44 @@ double way_to(const Triangle &t, const Triple &from, const Triple &d) {
   return u >= 0 && v >= 0 && u + v <= 1 && way > 0 ? way : INFINITY;
 }
 
-/// Of a sphere: to its far side from within, to its near side from outside.
-double way_to(const Sphere &s, const Triple &from, const Triple &d) {
-  const Triple to = s.centre - from;
-  const double along = dot(to, d), square = s.radius_m * s.radius_m - dot(to, to) + along * along;
-  if (square < 0) return INFINITY;
-  const double near = along - std::sqrt(square), far = along + std::sqrt(square);
-  return near > 0 ? near : far > 0 ? far : INFINITY;
-}
+/// A crossing of a glass surface: how far, of which material, from behind or not.
+struct Crossing {
+  double way;
+  int material;
+  bool from_behind;
+};
 
-/// What the first glass surface along a direction says.
-int glass_behind(const RoomScene &scene, const Triple &from, const Triple &d) {
-  double nearest = INFINITY;
-  int glass = 0;
+void add_crossings(const RoomScene &scene, const Triple &from, const Triple &d, std::vector<Crossing> &all) {
   const auto glass_of = [&](int material) { return is_glass(scene.materials[static_cast<std::size_t>(material)]); };
   for (const Triangle &t : scene.surfaces.triangles) {
     if (!glass_of(t.material)) continue;
     const double way = way_to(t, from, d);
-    if (way < nearest) nearest = way, glass = dot(t.area_vector_m2(), d) > 0 ? t.material + 1 : 0;
+    if (way < INFINITY) all.push_back({way, t.material, dot(t.area_vector_m2(), d) > 0});
   }
   for (const Sphere &s : scene.surfaces.spheres) {
     if (!glass_of(s.material)) continue;
-    const double way = way_to(s, from, d);
-    const Triple out = from - s.centre;
-    if (way < nearest) nearest = way, glass = dot(out, out) < s.radius_m * s.radius_m ? s.material + 1 : 0;
+    const Triple to = s.centre - from;
+    const double along = dot(to, d), square = s.radius_m * s.radius_m - dot(to, to) + along * along;
+    if (square <= 0) continue;
+    const double half = std::sqrt(square);
+    if (along - half > 0) all.push_back({along - half, s.material, false});
+    if (along + half > 0) all.push_back({along + half, s.material, true});
   }
-  return glass;
+}
+
+/// The innermost two of the glasses that are left along a direction without having been entered on it.
+int glass_along(const RoomScene &scene, const Triple &from, const Triple &d) {
+  std::vector<Crossing> crossings;
+  add_crossings(scene, from, d, crossings);
+  std::sort(crossings.begin(), crossings.end(), [](const Crossing &a, const Crossing &b) { return a.way < b.way; });
+  std::vector<int> entered, around;
+  for (const Crossing &c : crossings) {
+    if (!c.from_behind) entered.push_back(c.material);
+    else if (const auto of = std::find(entered.rbegin(), entered.rend(), c.material); of != entered.rend())
+      entered.erase(std::next(of).base());
+    else around.push_back(c.material + 1);
+  }
+  return around.empty() ? 0 : around.size() == 1 ? around[0] : around[0] | around[1] << 16;
 }
 
 }  // namespace
@@ -129,7 +146,7 @@ int glass_around(const RoomScene &scene, const Triple &place) {
   for (const Triple &d :
        {Triple{0.2672612419, 0.5345224838, 0.8017837257}, Triple{-0.8703882798, 0.3481553119, -0.3481553119},
         Triple{0.4242640687, -0.8485281374, -0.3162277660}})
-    found[i++] = glass_behind(scene, place, unit(d));
+    found[i++] = glass_along(scene, place, unit(d));
   return found[0] == found[1] || found[0] == found[2] ? found[0] : found[1] == found[2] ? found[1] : 0;
 }
 

@@ -60,6 +60,12 @@ struct SkyScene {
   double ground_albedo = 0.06;            // lights the air from below; of land also what is seen. Default of land: 0.2
 };
 
+struct SeaScene {
+  bool rough = false;                          // [sea] in the scene: waves roughen the horizon
+  double wind_m_s = 0;                         // 10 m above the water
+  std::optional<double> significant_height_m;  // of the waves; default: of a full-grown sea in that wind
+};
+
 struct SpectrumScene {
   std::array<double, 2> range_nm{390.0, 720.0};
   int samples = 24;  // spaced evenly in refractivity
@@ -105,6 +111,7 @@ struct Scene {
   SunScene sun;
   MoonScene moon;
   SkyScene sky;
+  SeaScene sea;
   SpectrumScene spectrum;
   TracingScene tracing;
   EyeScene eye;

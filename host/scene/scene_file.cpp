@@ -8,6 +8,7 @@
 #include "atmosphere/profile_file.hpp"
 #include "scene/absorbers_file.hpp"
 #include "scene/ephemeris.hpp"
+#include "scene/eye_file.hpp"
 #include "scene/moon_file.hpp"
 #include "scene/target_file.hpp"
 #include "support/embedded.hpp"
@@ -139,6 +140,14 @@ void read_sky(const TomlTable &table, SkyScene &sky) {
   table.read("ground_albedo", sky.ground_albedo, {0, 1});
 }
 
+/// One wind raises the waves before the horizon and those that mirror the sky, unless [sky] has one of its own.
+void agree_on_sea(const TomlTable &root, Scene &scene) {
+  if (!scene.sea.rough) return;
+  if (scene.sky.surface == SkyScene::Surface::land)
+    root.table("sea").complain("wind_m_s", "expected no [sea] where sky.surface = \"land\"");
+  if (!root.table("sky").has("wind_m_s")) scene.sky.wind_m_s = scene.sea.wind_m_s;
+}
+
 void read_spectrum(const TomlTable &table, SpectrumScene &spectrum) {
   table.read("samples", spectrum.samples, {1, 256});
   std::vector<double> range;
@@ -170,37 +179,6 @@ void read_tracing(const TomlTable &table, TracingScene &tracing) {
   quality.read("spp", tracing.spp, {1, 1000000, "samples per pixel"});
   quality.read("error_pct", tracing.error_pct, {0, 100, "%", true});
   quality.read("minutes", tracing.minutes, {0, 1e6, "minutes", true});
-}
-
-/// One of a few words, kept as text.
-void read_name(const TomlTable &table, const std::string &key, std::string &into,
-               const std::vector<const char *> &names) {
-  TomlTable::Words<std::string> words;
-  for (const char *name : names) words.emplace_back(name, name);
-  table.read_word(key, into, words);
-}
-
-void read_eye(const TomlTable &table, EyeScene &eye) {
-  table.read_word(
-      "model", eye.model,
-      {{"human", EyeScene::Model::human}, {"camera", EyeScene::Model::camera}, {"none", EyeScene::Model::none}});
-  table.read("exposure_ev", eye.exposure_ev, {-50, 50, "stops"});
-  const TomlTable bleaching = table.table("bleaching");
-  bleaching.read("seconds", eye.bleaching_seconds, {0, 1e6, "s"});
-  bleaching.read("steady", eye.bleaching_steady);
-  if (eye.bleaching_steady && bleaching.has("seconds"))
-    bleaching.complain("steady", "expected either seconds or steady = true, found both");
-  read_name(bleaching, "model", eye.bleaching_model, {"catch", "shape", "threshold", "adapted"});
-  read_name(bleaching, "pool", eye.bleaching_pool, {"pixel", "disk"});
-  read_name(table, "pupil", eye.pupil, {"watson-yellott", "de-groot", "moon-spencer", "g04"});
-  table.read("glare", eye.glare);
-  table.read("acuity", eye.acuity);
-  table.read("colour", eye.colour);
-  table.read("sensitivity", eye.sensitivity);
-  table.read("ldmax_cd_m2", eye.ldmax_cd_m2, {1e-3, 1e6, "cd/m2"});
-  table.read("contrast", eye.contrast, {1.01, 1e9});
-  table.read("magnification", eye.magnification, {1e-3, 1e4});
-  table.read("age_years", eye.age_years, {20, 83, "years"});
 }
 
 void read_output(const TomlTable &table, OutputScene &output) {
@@ -240,9 +218,11 @@ Scene parse_scene(const std::string &file, std::string_view text, const std::vec
   if (scene.moon.by_date && !scene.sun.by_date && !root.table("observer").has("azimuth_deg"))
     scene.observer.azimuth_deg = *scene.moon.azimuth_deg;
   read_sky(root.table("sky"), scene.sky);
+  read_sea(root.table("sea"), scene.sea);
+  agree_on_sea(root, scene);
   read_spectrum(root.table("spectrum"), scene.spectrum);
   read_tracing(root.table("tracing"), scene.tracing);
-  read_eye(root.table("eye"), scene.eye);
+  read_eye_scene(root.table("eye"), scene.eye);
   read_output(root.table("output"), scene.output);
   read_targets(root, fs::path(file).parent_path().string(), scene);
   scene.sweeps = read_sweeps(document, root);

@@ -181,6 +181,10 @@ std::string scene_hash(const Scene &scene) {
   print.add_choice("output.spectral", scene.output.spectral);
   add(print, scene.moon);
   for (const TargetScene &target : scene.targets) add(print, target);
+  if (scene.sea.rough) {
+    print.add("sea.wind_m_s", scene.sea.wind_m_s);
+    print.add("sea.significant_height_m", scene.sea.significant_height_m);
+  }
   return print.hex();
 }
 

@@ -91,4 +91,11 @@ void read_targets(const TomlTable &root, const std::string &folder, Scene &scene
   for (const TomlTable &row : root.rows("target")) scene.targets.push_back(read_target(row, folder));
 }
 
+void read_sea(const TomlTable &table, SeaScene &sea) {
+  sea.rough = table.exists();
+  table.require("wind_m_s", "a number from 0 to 60 m/s, 10 m above the water");
+  table.read("wind_m_s", sea.wind_m_s, {0, 60, "m/s"});
+  table.read("significant_height_m", sea.significant_height_m, {0, 30, "m"});
+}
+
 }  // namespace greenray

@@ -15,7 +15,8 @@ __kernel void shade_sky(__global const float *table, __global const float *disks
 #if defined(WITH_TARGETS)
                         ,
                         __global const float *sight, __global const Target *target_rows, __global const float *corners,
-                        __global const float *target_light, __global const TargetTexel *texels, const int2 target_counts
+                        __global const float *target_light, __global const TargetTexel *texels,
+                        __global const float *crests, const TargetScale scale
 #endif
 ) {
   const int pixel = (int)get_global_id(0);
@@ -23,8 +24,7 @@ __kernel void shade_sky(__global const float *table, __global const float *disks
   const int column = view.first_column + pixel % view.width, row = view.first_row + pixel / view.width;
   const int waves = SKY_WAVES;
 #if defined(WITH_TARGETS)
-  const Targets targets = {sight,  target_rows,     corners,         target_light,
-                           texels, target_counts.x, target_counts.y, SKY_WAVES};
+  const Targets targets = {sight, target_rows, corners, target_light, texels, crests, scale, SKY_WAVES};
 #endif
   real sum[SKY_WAVES / LANES];
   for (int g = 0; g < SKY_WAVES / LANES; ++g) sum[g] = SPREAD(0);
@@ -50,8 +50,13 @@ __kernel void shade_sky(__global const float *table, __global const float *disks
         real radiance = sky_radiance(&view, table, disks, waves, g * LANES, entry, at - (float)entry,
                                      LANE(d.azimuth_rad, i), LANE(half_azimuth, i), weight);
 #if defined(WITH_TARGETS)
-        radiance = before_targets(&view, &targets, radiance, g * LANES, entry, at - (float)entry,
-                                  LANE(d.azimuth_rad, i), LANE(half_azimuth, i));
+        const float azimuth = LANE(d.azimuth_rad, i);
+        real sea = radiance;
+        if (waves_hide(&targets, g * LANES, entry, at - (float)entry, azimuth))
+          sea = sky_radiance(&view, table, disks, waves, g * LANES, scale.sea_entry, 0.0f, azimuth,
+                             LANE(half_azimuth, i), weight);
+        radiance = before_targets(&view, &targets, radiance, sea, g * LANES, entry, at - (float)entry, azimuth,
+                                  LANE(half_azimuth, i));
 #endif
         sum[g] += radiance;
         band += radiance;

@@ -25,7 +25,7 @@ typedef struct Light {
   scalar radiance_share;     /* area: radiance = spectral power times this [1/(m^2 sr)] */
   unsigned int first_photon; /* of a pass: photons first_photon .. of the next light are its own */
   unsigned int photons;
-  int glass; /* 1 + number of the material around it; 0: air */
+  int glass; /* that it stands in: as in Path */
 } Light;
 
 /* One primitive of an area light: number and the areas of all up to and including it, over the light's whole area. */

@@ -4,7 +4,7 @@ typedef struct PathStart {
   scalar place[3];
   scalar momentum[3]; /* n times the unit direction */
   int row;
-  int inside_glass;
+  int glass; /* as in Path */
 } PathStart;
 
 typedef struct PathEnd {

@@ -10,7 +10,7 @@ enum TargetChannel {
   TARGET_AIRLIGHT = 2, /* light of the air up to there, in the two parts of SKY_GLOW and SKY_AUREOLE */
   TARGET_AUREOLE = 3,
   TARGET_FROM_SUN = 4, /* altitude of the direction there minus that of the Sun's centre [rad] */
-  TARGET_CLEAR = 5,    /* mean number of wave crests before the station that rise into the ray */
+  TARGET_CRESTS = 5,   /* mean number of wave crests before the station that rise into the ray */
   TARGET_JOINED = 6,   /* as SKY_JOINED */
   TARGET_CHANNEL_COUNT = 7
 };
@@ -35,3 +35,15 @@ typedef struct TargetTexel {
 /* Rows of the table of lights, [1 + targets][waves]: each wavelength's place in 0..1 for the curves, then for each
    target the radiance of its outline, or of a white texel of its picture [W m^-2 sr^-1 nm^-1]. */
 enum TargetLightRow { TARGET_LIGHT_PLACE = 0, TARGET_LIGHT_FIRST = 1 };
+
+/* What the kernel is told beside the tables. With waves one station more is that of the sea, the last, whose crests are
+   those of the whole ray; where they stand in the way the sea is seen as at `sea_entry`, just below the horizon.
+
+   One draw of the waves hides a ray if the crests in its way are more than a threshold, a smooth random function of
+   azimuth (render/sea.hpp), tabulated over the picture. */
+typedef struct TargetScale {
+  int targets, stations;
+  int crests;    /* entries of the table of thresholds; 0: no waves */
+  int sea_entry; /* of the transfer table */
+  float first_crest_rad, crests_per_rad;
+} TargetScale;

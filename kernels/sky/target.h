@@ -6,17 +6,19 @@ typedef struct Targets {
   GLOBAL const float *corners; /* [corners][2]: across, up [m] */
   GLOBAL const float *light;
   GLOBAL const TargetTexel *texels;
-  int count, stations, waves;
+  GLOBAL const float *crests; /* thresholds by azimuth */
+  TargetScale scale;
+  int waves;
 } Targets;
 
 /* One station as a ray sees it, a wavelength a lane. */
 typedef struct StationSight {
-  real height_m, passed, airlight, aureole, from_sun, clear;
+  real height_m, passed, airlight, aureole, from_sun, crests;
 } StationSight;
 
 DEVICE StationSight station_sight(const Targets *t, int station, int wave, int entry, float fraction) {
-  GLOBAL const float *here = t->sight + (entry * t->stations + station) * TARGET_CHANNEL_COUNT * t->waves + wave;
-  GLOBAL const float *next = here + t->stations * TARGET_CHANNEL_COUNT * t->waves;
+  GLOBAL const float *here = t->sight + (entry * t->scale.stations + station) * TARGET_CHANNEL_COUNT * t->waves + wave;
+  GLOBAL const float *next = here + t->scale.stations * TARGET_CHANNEL_COUNT * t->waves;
   const real joined = load_lanes(here + TARGET_JOINED * t->waves);
   const real beside = SPREAD(fraction) < joined ? SPREAD(0) : SPREAD(1);
   const real f = joined >= R(1) ? SPREAD(fraction) : beside;
@@ -31,20 +33,21 @@ DEVICE StationSight station_sight(const Targets *t, int station, int wave, int e
   s.airlight = value[TARGET_AIRLIGHT];
   s.aureole = value[TARGET_AUREOLE];
   s.from_sun = value[TARGET_FROM_SUN];
-  s.clear = value[TARGET_CLEAR];
+  s.crests = value[TARGET_CRESTS];
   return s;
 }
 
-/* 1 inside an outline (even-odd rule), 0 outside. */
+/* 1 inside an outline (even-odd rule), 0 outside: how many sides lie straight above. Wavelengths part in height alone,
+   so which sides do is the same for all lanes. */
 DEVICE real outline_cover(GLOBAL const float *corner, int corners, float across_m, real up_m) {
   mask inside = SPREAD_INT(0);
   GLOBAL const float *from = corner + 2 * (corners - 1);
   for (int k = 0; k < corners; ++k) {
     GLOBAL const float *to = corner + 2 * k;
-    const float rise = to[1] - from[1];
-    const float across_per_up = rise != 0.0f ? (to[0] - from[0]) / rise : 0.0f;
-    const mask passes = (up_m < SPREAD(from[1])) != (up_m < SPREAD(to[1]));
-    inside = inside ^ (passes & (SPREAD(across_m) < from[0] + (up_m - from[1]) * across_per_up));
+    if ((from[0] <= across_m) != (to[0] <= across_m)) {
+      const float side_m = from[1] + (across_m - from[0]) * ((to[1] - from[1]) / (to[0] - from[0]));
+      inside = inside ^ (up_m < SPREAD(side_m));
+    }
     from = to;
   }
   return inside ? SPREAD(1) : SPREAD(0);
@@ -104,7 +107,8 @@ DEVICE TargetLook picture_look(const Targets *t, GLOBAL const Target *target, in
 
 /* What a target shows at a ray's azimuth and height. */
 DEVICE TargetLook target_look(const Targets *t, GLOBAL const Target *target, int wave, float across_m, real up_m) {
-  const mask within = (up_m >= target->bottom_m) & (up_m < target->top_m);
+  const mask above_ground = up_m >= R(0); /* others ended before */
+  const mask within = above_ground & (up_m >= target->bottom_m) & (up_m < target->top_m);
   TargetLook look;
   look.cover = SPREAD(0);
   look.shade = SPREAD(1);
@@ -120,22 +124,49 @@ DEVICE int target_spans(GLOBAL const Target *target, float azimuth_rad, float *a
   return *across_m >= target->left_m && *across_m < target->right_m;
 }
 
+/* How many crests in the way, on average, hide a ray at this azimuth. */
+DEVICE float crest_threshold(const Targets *t, float azimuth_rad) {
+  if (t->scale.crests == 0) return 1e30f;
+  const float at = (azimuth_rad - t->scale.first_crest_rad) * t->scale.crests_per_rad;
+  const float last = (float)(t->scale.crests - 2);
+  const float inside = at < 0.0f ? 0.0f : (at > last ? last : at);
+  const int low = (int)inside;
+  return t->crests[low] + (inside - (float)low) * (t->crests[low + 1] - t->crests[low]);
+}
+
 /* Light of a path up to a target, and of the target through it. */
 DEVICE real light_of_target(const SkyView *v, const StationSight *s, real radiance, float half_azimuth) {
   const real chord2 = chord2_from_sun(v, s->from_sun, half_azimuth);
   return radiance * s->passed + s->airlight + s->aureole * aureole(chord2, v->phase_asymmetry);
 }
 
-/* The radiance of a ray of sight, given that of what lies behind all targets. */
-DEVICE real before_targets(const SkyView *v, const Targets *t, real behind, int wave, int entry, float fraction,
-                           float azimuth_rad, float half_azimuth) {
+/* Whether waves hide anything of a ray of sight at some wavelength. */
+DEVICE int waves_hide(const Targets *t, int wave, int entry, float fraction, float azimuth_rad) {
+  if (t->scale.crests == 0) return 0;
+  const StationSight sight = station_sight(t, t->scale.stations - 1, wave, entry, fraction);
+  return any_lane(sight.crests > crest_threshold(t, azimuth_rad));
+}
+
+/* The radiance of a ray of sight, given that of what lies behind targets and waves, and that of the sea, which counts
+   where waves hide the ray. */
+DEVICE real before_targets(const SkyView *v, const Targets *t, real behind, real sea, int wave, int entry,
+                           float fraction, float azimuth_rad, float half_azimuth) {
   real radiance = behind;
-  for (int k = 0; k < t->count; ++k) {
+  const float threshold = crest_threshold(t, azimuth_rad);
+  int station = t->scale.crests > 0 ? t->scale.stations - 1 : -1;
+  StationSight sight;
+  if (station >= 0) {
+    sight = station_sight(t, station, wave, entry, fraction);
+    radiance = sight.crests > threshold ? sea : radiance;
+  }
+  for (int k = 0; k < t->scale.targets; ++k) {
     GLOBAL const Target *target = t->rows + k;
     float across_m;
     if (!target_spans(target, azimuth_rad, &across_m)) continue;
-    const StationSight sight = station_sight(t, target->station, wave, entry, fraction);
-    const TargetLook look = target_look(t, target, wave, across_m, sight.height_m);
+    if (target->station != station) sight = station_sight(t, target->station, wave, entry, fraction);
+    station = target->station;
+    TargetLook look = target_look(t, target, wave, across_m, sight.height_m);
+    look.cover = sight.crests > threshold ? SPREAD(0) : look.cover;
     if (!any_lane(look.cover > R(0))) continue;
     const real white = load_lanes(t->light + (TARGET_LIGHT_FIRST + k) * t->waves + wave);
     const real seen = light_of_target(v, &sight, look.shade * white, half_azimuth);
@@ -155,13 +186,13 @@ DEVICE TargetHit nearest_target(const Targets *t, int wave, int entry, float fra
   TargetHit hit;
   hit.target = -1;
   hit.height_m = R(0);
-  for (int k = t->count - 1; k >= 0 && hit.target < 0; --k) {
+  for (int k = t->scale.targets - 1; k >= 0 && hit.target < 0; --k) {
     GLOBAL const Target *target = t->rows + k;
     float across_m;
     if (!target_spans(target, azimuth_rad, &across_m)) continue;
     const StationSight sight = station_sight(t, target->station, wave, entry, fraction);
     const TargetLook look = target_look(t, target, wave, across_m, sight.height_m);
-    if (look.cover < R(0.5)) continue;
+    if (look.cover < R(0.5) || sight.crests > crest_threshold(t, azimuth_rad)) continue;
     hit.target = k;
     hit.height_m = sight.height_m;
   }

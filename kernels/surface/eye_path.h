@@ -14,7 +14,7 @@ typedef struct EyeCamera {
   int first_sample, samples;   /* of each pixel in this launch */
   int most_bounces;
   int alone; /* as in PhotonSettings */
-  int glass; /* as in Light */
+  int glass; /* as in Path */
 } EyeCamera;
 
 /* One path: what it adds by itself, and what it makes of the irradiance at `point`. */
@@ -45,8 +45,8 @@ DEVICE void start_eye_path(const Air *air, const Looks *looks, const EyeCamera *
   path->measured = 1;
   const scalar index2 = dot3(path->momentum, path->momentum);
   for (int w = 0; w < WAVES; ++w) { /* L = n^2 (L/n^2), at the eye */
-    const scalar glass = c->glass > 0 ? looks->spectra[looks->materials[c->glass - 1].index * WAVES + w] : R(0);
-    b->weight[w] *= c->glass > 0 ? glass * glass : index2;
+    const scalar glass = c->glass ? glass_rows(looks, c->glass)[w] : R(0);
+    b->weight[w] *= c->glass ? glass * glass : index2;
   }
 }
 
@@ -95,7 +95,7 @@ DEVICE void follow_eye_path(const Geometry *g, const Air *air, const Looks *look
     if (trace_to_surface(g, air, &path, &hit) != PATH_SURFACE) return;
     if (bounce == 1) note_first_hit(&start, &hit, out);
     for (int w = 0; w < WAVES; ++w) b.weight[w] *= hit.transmission;
-    if (path.inside_glass) absorb_in_glass(g, looks, &hit, &b);
+    if (path.glass) absorb_in_glass(looks, path.glass, hit.path_m, &b);
     see_lamp(g, looks, &hit, &b, radiance);
     if (looks->materials[material_of(g, hit.primitive)].kind == MATERIAL_LAMBERT) {
       ask_map(g, looks, &hit, &b, out, weight);

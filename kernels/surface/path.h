@@ -35,9 +35,11 @@ typedef struct Air {
 typedef struct Path {
   Vec3 place;
   Vec3 momentum;
-  int row;          /* of the air's table: which wavelength */
-  int inside_glass; /* 1: the path is straight and its momentum's length is the glass's n */
-  int measured;     /* 1: its length is asked for, though nothing is absorbed on the way */
+  int row; /* of the air's table: which wavelength */
+  /* The glass it is in, where it is straight and its momentum's length is the glass's n: 1 + number of the material,
+     and 65536 times the same of a glass around that one. 0: the medium. */
+  int glass;
+  int measured; /* 1: its length is asked for, though nothing is absorbed on the way */
 } Path;
 
 typedef struct SurfaceHit {

@@ -140,7 +140,7 @@ DEVICE int follow_photon(const Geometry *g, const Air *air, const Looks *looks, 
       return outcome == PATH_ESCAPED ? 1 : outcome == PATH_NOT_FINITE ? 3 : 2;
     }
     for (int w = 0; w < WAVES; ++w) b.weight[w] *= hit.transmission;
-    if (path.inside_glass) absorb_in_glass(g, looks, &hit, &b);
+    if (path.glass) absorb_in_glass(looks, path.glass, hit.path_m, &b);
     scalar after = bundle_sum(&b);
     tally->power[TALLY_MEDIUM] += before - after;
     before = after;

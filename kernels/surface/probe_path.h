@@ -11,7 +11,7 @@ DEVICE void trace_path(const Geometry *g, const Air *air, PathStart start, PathE
   path.place = vec3(start.place[0], start.place[1], start.place[2]);
   path.momentum = vec3(start.momentum[0], start.momentum[1], start.momentum[2]);
   path.row = start.row;
-  path.inside_glass = start.inside_glass;
+  path.glass = start.glass;
   path.measured = 1;
   SurfaceHit hit;
   hit.normal = vec3(R(0), R(0), R(0));

@@ -84,7 +84,7 @@ DEVICE int follow_caustic(const Geometry *g, const Air *air, const Looks *looks,
     ++tally->bounces;
     if (outcome != PATH_SURFACE) return outcome == PATH_ESCAPED ? 1 : outcome == PATH_NOT_FINITE ? 3 : 2;
     for (int w = 0; w < WAVES; ++w) b.weight[w] *= hit.transmission;
-    if (path.inside_glass) absorb_in_glass(g, looks, &hit, &b);
+    if (path.glass) absorb_in_glass(looks, path.glass, hit.path_m, &b);
     if (looks->materials[material_of(g, hit.primitive)].kind == MATERIAL_LAMBERT) {
       if (bounce == 1) return 0; /* direct light: the other photons' */
       const Vec3 facing = dot3(hit.normal, hit.momentum) < R(0) ? hit.normal : times(hit.normal, R(-1));

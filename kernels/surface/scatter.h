@@ -17,16 +17,33 @@ DEVICE void split_bundle(Bundle *b) {
   b->split = 1;
 }
 
-/* A path on its way from a light or an eye. glass: 1 + number of the material that it starts in; 0: air */
+/* n of the innermost glass by wavelength. */
+DEVICE GLOBAL const scalar *glass_rows(const Looks *looks, int glass) {
+  return looks->spectra + looks->materials[(glass & 0xffff) - 1].index * WAVES;
+}
+
+/* n of the hero in a glass, or in the medium. */
+DEVICE scalar index_in(const Air *air, const Looks *looks, int glass, int hero, scalar height_m) {
+  return glass ? glass_rows(looks, glass)[hero] : scalar_root(air_index2(air, hero, height_m));
+}
+
+DEVICE int glass_entered(int glass, int material) { return (glass & 0x7fff) << 16 | (material + 1); }
+
+/* What is behind the back of a glass's surface. Surfaces that overlap: the glass that is left need not be the
+ * innermost. */
+DEVICE int glass_left(int glass, int material) {
+  if ((glass & 0xffff) == material + 1) return glass >> 16;
+  return glass >> 16 == material + 1 ? glass & 0xffff : glass;
+}
+
+/* A path on its way from a light or an eye. glass: as in Path */
 DEVICE void begin_path(const Air *air, const Looks *looks, int glass, const Bundle *b, Vec3 place, Vec3 direction,
                        Path *path) {
   path->place = place;
   path->row = b->hero;
-  path->inside_glass = glass > 0;
+  path->glass = glass;
   path->measured = 0;
-  const scalar index = glass > 0 ? looks->spectra[looks->materials[glass - 1].index * WAVES + b->hero]
-                                 : scalar_root(air_index2(air, b->hero, place.z));
-  path->momentum = times(direction, index);
+  path->momentum = times(direction, index_in(air, looks, glass, b->hero, place.z));
 }
 
 DEVICE void tint_bundle(Bundle *b, const scalar *by) {
@@ -119,11 +136,13 @@ DEVICE int scatter_specular(const Geometry *g, const Air *air, const Looks *look
   int passes = 0;
   if (m.kind == MATERIAL_DIELECTRIC || m.kind == MATERIAL_ROUGH_DIELECTRIC) {
     GLOBAL const scalar *glass = looks->spectra + m.index * WAVES;
-    const scalar beyond = from_outside ? glass[b->hero] : scalar_root(air_index2(air, b->hero, hit->place.z));
+    const int material = material_of(g, hit->primitive),
+              behind = from_outside ? glass_entered(path->glass, material) : glass_left(path->glass, material);
+    const scalar beyond = index_in(air, looks, behind, b->hero, hit->place.z);
     if (!scatter_glass(&m, glass, from_outside, normal, index_before, beyond, words, &direction, b, &passes)) return 0;
     if (passes) {
       index_after = beyond;
-      path->inside_glass = from_outside;
+      path->glass = behind;
     }
   } else {
     scalar tint[WAVES];
@@ -138,10 +157,9 @@ DEVICE int scatter_specular(const Geometry *g, const Air *air, const Looks *look
   return 1;
 }
 
-/* Absorption inside glass along the way to a hit, met from inside. */
-DEVICE void absorb_in_glass(const Geometry *g, const Looks *looks, const SurfaceHit *hit, Bundle *b) {
-  const Material m = looks->materials[material_of(g, hit->primitive)];
-  if (m.absorption < 0) return;
-  for (int w = 0; w < WAVES; ++w)
-    b->weight[w] *= scalar_exponential(-looks->spectra[m.absorption * WAVES + w] * hit->path_m);
+/* Absorption along a way inside glass. */
+DEVICE void absorb_in_glass(const Looks *looks, int glass, scalar path_m, Bundle *b) {
+  const int absorption = looks->materials[(glass & 0xffff) - 1].absorption;
+  if (absorption < 0) return;
+  for (int w = 0; w < WAVES; ++w) b->weight[w] *= scalar_exponential(-looks->spectra[absorption * WAVES + w] * path_m);
 }

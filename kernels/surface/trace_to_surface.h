@@ -218,11 +218,11 @@ DEVICE int trace_to_surface(const Geometry *g, const Air *air, const Path *path,
   if (!(all - all == R(0))) return PATH_NOT_FINITE;
   if (!has_surfaces(&g->bounds)) return PATH_ESCAPED;
 #if AIR_IS_CURVED
-  const int outcome = path->inside_glass ? follow_straight(g, path, hit) : follow_curve(g, air, path, hit);
+  const int outcome = path->glass ? follow_straight(g, path, hit) : follow_curve(g, air, path, hit);
 #else
   const int outcome = follow_straight(g, path, hit);
 #endif
-  hit->transmission = path->inside_glass ? R(1) : scalar_exponential(-air->shape.extinction_per_m * hit->path_m);
+  hit->transmission = path->glass ? R(1) : scalar_exponential(-air->shape.extinction_per_m * hit->path_m);
   if (outcome == PATH_SURFACE) put_on_surface(g, hit);
   return outcome;
 }

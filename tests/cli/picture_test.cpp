@@ -136,7 +136,7 @@ TEST_F(Pictures, ReportAndChannelsAsTheContract) {
   EXPECT_EQ(std::get<std::string>(picture.attributes.at("greenray.scene")), small_scene);
   EXPECT_EQ(std::get<std::string>(picture.attributes.at("greenray.seed")), "5");
   EXPECT_EQ(std::get<std::string>(picture.attributes.at("greenray.scene_hash")), json.at("scene_hash"));
-  EXPECT_EQ(listing(folder / "deep/er").size(), 3U) << "only x.exr, x.png, x.json";
+  EXPECT_EQ(listing(folder / "deep/er").size(), 4U) << "only x.exr, x.png, x.json, x.html";
 }
 
 // oracle: every line of --json parses; fractions rise.  tolerance: none

@@ -52,7 +52,7 @@ TEST_F(Rooms, StoppedAtAnyMomentTheySurvive) {
   }
   EXPECT_EQ(contents(folder / "part.exr"), contents(folder / "whole.exr"));
   EXPECT_EQ(contents(folder / "part.png"), contents(folder / "whole.png"));
-  EXPECT_EQ(listing(folder).size(), 6u) << "three files each, and no other";
+  EXPECT_EQ(listing(folder).size(), 8U) << "four files each, and no other";
 }
 
 TEST_F(Rooms, ResumeWantsACheckpoint) {

@@ -54,6 +54,9 @@ const std::vector<Wrong> wrong_targets{
      "ends in .png or .exr"},
     {"[[target]]\nkind = \"billboard\"\ndistance_m = 5.0\nwidth_m = 1\nheight_m = 1\npicture = \"none.png\"", 7, 11,
      "no such picture: 'none.png'"},
+    {"[sea]\nsignificant_height_m = 1.0", 2, 1, "missing key 'sea.wind_m_s'"},
+    {"[sea]\nwind_m_s = 61", 3, 12, "from 0 to 60 m/s, found 61"},
+    {"[sea]\nwind_m_s = 6\nheight_m = 2", 4, 1, "unknown key 'sea.height_m'"},
     {"[target]\nkind = \"rectangle\"", 2, 1, "rows, each begun by [[target]]"},
 };
 

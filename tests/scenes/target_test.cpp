@@ -141,13 +141,15 @@ const RenderOptions straight = [] {
 
 }  // namespace
 
-// oracle: straight lines over a sphere: dip acos(R/(R+h)), elevation of the top; the part below the dip is hidden
+// oracle: straight lines over a sphere: dip acos(R/(R+h)), elevation of the top; the part below the dip is hidden, and
+// so is
+//         what lies below the surface, though rays that end before would meet it there
 // tolerance: 0.1 pixel of 2": samples in a pixel, and the table's step is half a pixel
 TEST(Targets, StraightLightOverASphere) {
   const double eye = 3, distance = 20000, top = 40;
   const Frame frame{0.0, 2, 8, 400};
   const Rendered picture =
-      make(dark + rectangle(distance, 200, 0, top), frame, {"observer.height_m=" + text(eye)}, straight);
+      make(dark + rectangle(distance, 200, -10, top + 10), frame, {"observer.height_m=" + text(eye)}, straight);
   const double dip = -to_deg(std::acos(earth_m / (earth_m + eye)));
   const double highest = straight_altitude_deg(eye, top, distance);
   ASSERT_LT(straight_altitude_deg(eye, 0, distance), dip);  // the waterline is hidden
@@ -511,8 +513,8 @@ TEST(Targets, PicturesAreTheRightWayUp) {
   const Frame frame{0.0, 10, 8, 8, 4};
   const Rendered picture =
       make(dark + "[[target]]\nkind = \"billboard\"\npicture = \"" + file.path.string() +
-               "\"\ndistance_m = 1000.0\nwidth_m = 40.0\nbase_m = -18.0\nheight_m = 40.0\nluminance_cd_m2 = 100.0\n",
-           Frame{0.0, 1000, 8, 8, 64}, {"atmosphere.surface=flat", "observer.height_m=2.0"}, straight);
+               "\"\ndistance_m = 1000.0\nwidth_m = 40.0\nbase_m = 32.0\nheight_m = 40.0\nluminance_cd_m2 = 100.0\n",
+           Frame{0.0, 1000, 8, 8, 64}, {"atmosphere.surface=flat", "observer.height_m=52.0"}, straight);
   const Rendered white = make(dark + rectangle(1000, 1000, -500, 1000), frame, {}, straight);
   const double full = value(white.image, 1, 1);
   // A pixel is 4.848 m: rows and columns 1 and 6 lie between the texels' middles and the picture's edges.
