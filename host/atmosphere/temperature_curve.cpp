@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "atmosphere/gauss_hermite.hpp"
 #include "atmosphere/gauss_legendre.hpp"
 #include "atmosphere/standard_atmosphere.hpp"
 
@@ -124,9 +126,37 @@ Dual TemperatureCurve::unsmoothed(double height_m) const {
   return t;
 }
 
+/// Any of these heights, ascending, within the reach of a place.
+static bool any_near(const std::vector<double> &heights_m, double height_m, double reach_m) {
+  const auto from = std::lower_bound(heights_m.begin(), heights_m.end(), height_m - reach_m);
+  return from != heights_m.end() && *from <= height_m + reach_m;
+}
+
+/// The Gauss-Hermite rule that is enough for the mean over layers no thinner than this; none where only panels are. A
+/// Fermi step's poles lie pi widths off the real axis, so that n points are good to exp(-2 sqrt(n) pi width/sigma):
+/// 1e-16 with 12 where width >= 2 sigma, with 40 where width >= sigma.
+static const GaussHermite *hermite_rule(double thinnest_in_sigma) {
+  static const GaussHermite few(12), many(40);
+  return thinnest_in_sigma >= 2 ? &few : thinnest_in_sigma >= 1 ? &many : nullptr;
+}
+
 /// Gaussian mean over +-7 sigma; below the ground T continues with the slope it has there.
 Dual TemperatureCurve::smoothed(double height_m) const {
   const double reach = 7 * smooth_m_;
+  if (height_m >= reach && !any_near(raw_kinks_m_, height_m, reach)) {
+    double thinnest_m = std::numeric_limits<double>::infinity();
+    if (any_near(features_m_, height_m, reach)) {
+      if (!shares_.empty()) thinnest_m = 0;  // as thin as the blended airs have them
+      for (const InversionSpec &v : inversions_) thinnest_m = std::min(thinnest_m, v.diffuseness_m.constant());
+      for (const SurfaceLayerSpec &layer : layers_) thinnest_m = std::min(thinnest_m, layer.scale_m);
+    }
+    if (const GaussHermite *rule = hermite_rule(thinnest_m / smooth_m_)) {
+      Dual sum;
+      for (std::size_t k = 0; k < rule->node.size(); ++k)
+        sum = sum + Dual(rule->weight[k]) * unsmoothed(height_m + smooth_m_ * rule->node[k]);
+      return sum;
+    }
+  }
   std::vector<double> edges{-reach};
   const auto add_between = [&](const std::vector<double> &heights) {
     const auto from = std::lower_bound(heights.begin(), heights.end(), height_m - reach);

@@ -28,6 +28,7 @@ Command scenes_command();
 Command new_command();
 Command compare_command();
 Command develop_command();
+Command sunset_command();
 Command eye_command();
 Command bench_command();
 

@@ -14,7 +14,7 @@ namespace {
 std::vector<Command> all_commands() {
   return {render_command(),  batch_command(),      check_command(),   scenes_command(),   new_command(),
           profile_command(), refraction_command(), trace_command(),   transfer_command(), develop_command(),
-          eye_command(),     compare_command(),    devices_command(), bench_command()};
+          sunset_command(),  eye_command(),        compare_command(), devices_command(),  bench_command()};
 }
 
 std::string overview(const std::vector<Command> &commands) {

@@ -144,7 +144,7 @@ void RoomPhotons::make_mapper(const RoomPlan &plan) {
   o.waves = static_cast<int>(looks_.waves());
   const std::array<std::size_t, 2> records = records_for(plan);
   o.precomputed = scene_.photons.precomputed;
-  if (plan.even_radii()) o.alpha = 1;
+  if (plan.even_radii) o.alpha = 1;
   o.diffuse_photons = records[0], o.caustic_photons = records[1];
   for (std::size_t a = 0; a < 3; ++a) {
     o.bounds.low_m[a] = static_cast<double>(bounds_.low[a]);

@@ -51,8 +51,6 @@ std::uint32_t RoomPlan::photons_of(int pass) const {
   return static_cast<std::uint32_t>(part(pass + 1) - part(pass));
 }
 
-bool RoomPlan::even_radii() const { return !open && passes > ordinary_passes; }
-
 RoomPlan plan_room(const RoomScene &scene, const RoomOptions &options) {
   RoomPlan plan;
   plan.size = options.size;
@@ -70,12 +68,15 @@ RoomPlan plan_room(const RoomScene &scene, const RoomOptions &options) {
                      : options.error_pct || options.minutes ? passes_for(plan.photons, plan.photons)
                                                             : passes_for(plan.photons, scene.photons.emitted);
   plan.photons_a_pass = std::min(divided_up(plan.photons, passes), most_photons_a_pass);
+  plan.even_radii =
+      options.passes == 0 && passes > ordinary_passes && divided_up(plan.photons, passes) <= most_photons_a_pass;
   set_passes(plan, scene, options);
   return plan;
 }
 
 void halve_passes(RoomPlan &plan, const RoomScene &scene, const RoomOptions &options) {
   plan.photons_a_pass = divided_up(plan.photons_a_pass, 2);
+  plan.even_radii = false;
   set_passes(plan, scene, options);
 }
 

@@ -22,6 +22,9 @@ struct RoomPlan {
   bool open = false;  // until the error or the time is reached, passes of the same size
   int samples = 1;    // of a pixel in each pass
   int nearest = 1;    // photons of one estimate in pass 0
+  /// Passes that are more by themselves for a larger number of photons keep their radius; others' shrink from one to
+  /// the next.
+  bool even_radii = false;
 
   /// The whole picture with its margin.
   std::array<int, 4> frame() const { return {-margin, -margin, size[0] + margin, size[1] + margin}; }
@@ -29,13 +32,12 @@ struct RoomPlan {
   int height() const { return region[3] - region[1]; }
   std::size_t pixels() const { return static_cast<std::size_t>(width()) * static_cast<std::size_t>(height()); }
   std::uint32_t photons_of(int pass) const;
-  /// Passes whose number is known and larger than the ordinary one keep their radius: noise and bias fall alike.
-  bool even_radii() const;
 };
 
-/* Four passes, one where there are fewer than 40000 photons; more where a pass would have more than most_photons_a_pass,
-   and of more photons than the scene's own, as (photons/emitted)^(2/3). With an error or a time to reach: passes as large as those, without end unless spp or photons are given.
-   errors: InputError for a crop outside the picture */
+/* Four passes, one where there are fewer than 40000 photons; more where a pass would have more than
+   most_photons_a_pass, and of more photons than the scene's own, as (photons/emitted)^(2/3). With an error or a time to
+   reach: passes as large as those, without end unless spp or photons are given. errors: InputError for a crop outside
+   the picture */
 RoomPlan plan_room(const RoomScene &scene, const RoomOptions &options);
 
 /// The same picture in passes of half as many photons.

@@ -31,11 +31,11 @@ LEAST = 0.2 / ARCSEC
 
 
 def smoothed_mock_mirage():
-    """profiles/mock-mirage.toml: 0.8 K from 30 to 50 m, smoothed by a Gaussian of 2 m: by 16-point Gauss-Hermite
+    """profiles/mock-mirage.toml: 1.6 K from 30 to 50 m, smoothed by a Gaussian of 2 m: by 16-point Gauss-Hermite
     quadrature that is a sum of 16 Fermi steps, exact to rounding (the corners of US76, the lowest at 11 km, stay)."""
     x, w = np.polynomial.hermite_e.hermegauss(16)
     w = w / w.sum()
-    return Profile("us76", inversion=[{"delta_T_K": 0.8 * wi, "height_m": 40 - 2 * xi, "diffuseness_m": 5.0}
+    return Profile("us76", inversion=[{"delta_T_K": 1.6 * wi, "height_m": 40 - 2 * xi, "diffuseness_m": 5.0}
                                       for xi, wi in zip(x, w)])
 
 
