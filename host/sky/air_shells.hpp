@@ -2,6 +2,7 @@
 // scattered on the way, which needs the whole path and not only its end.
 #pragma once
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "atmosphere/index_table.hpp"
@@ -47,6 +48,8 @@ class AirShells {
   double top_m() const { return shells_.back().height_m; }
   std::size_t levels() const { return shells_.size(); }
   double height_m(std::size_t level) const { return shells_[level].height_m; }
+  /// n (R + h) [m]: how far the asymptotes of a ray that is level there pass the Earth's centre. Over a sphere.
+  double impact_m(std::size_t level) const { return radius_m_ * std::exp(shells_[level].log_index); }
   /// Densities at any height: air [kg/m^3], ozone and aerosol as shapes.
   Columns density(double height_m) const;
   /// Angle at the Earth's centre [rad]; 0 over a flat surface.

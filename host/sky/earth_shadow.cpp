@@ -44,10 +44,10 @@ EarthShadow::EarthShadow(const AirShells &shells, const SkyOptics &optics, doubl
   share_.assign((static_cast<std::size_t>(widest_m / step_m_) + 2) * padded_, 0.0f);
   for (std::size_t k = 0; k < shells.levels(); ++k) {
     const AirShells::Exit out = shells.exit(k, 0);
-    if (out.end == PathEnd::space) grazes_.push_back({shells.height_m(k), 2 * out.bending_rad, out.column * 2});
+    if (out.end == PathEnd::space)
+      grazes_.push_back({shells.height_m(k), shells.impact_m(k), 2 * out.bending_rad, out.column * 2});
   }
-  const auto lay = [&](double height_m, double wide_m, double bending_rad, const Columns &column) {
-    const double ring_m = earth_m + height_m;
+  const auto lay = [&](double ring_m, double wide_m, double bending_rad, const Columns &column) {
     std::vector<float> flux(padded_);
     optical_depths(optics, column, flux.data());
     const double area = 2 * pi * ring_m * wide_m * spread * spread;  // that it would light without air
@@ -60,13 +60,13 @@ EarthShadow::EarthShadow(const AirShells &shells, const SkyOptics &optics, doubl
     for (int i = 0; i < parts; ++i) {
       const double t = (i + 0.5) / parts;
       const Columns column = a.column + (b.column - a.column) * t;
-      lay(a.height_m + t * (b.height_m - a.height_m), (b.height_m - a.height_m) / parts,
+      lay(a.impact_m + t * (b.impact_m - a.impact_m), (b.impact_m - a.impact_m) / parts,
           a.bending_rad + t * (b.bending_rad - a.bending_rad), column);
     }
   }
   constexpr double open_ring_m = 20e3;
-  for (double h = shells.top_m(); h < (widest_m + 2 * disk_m) / spread - earth_m; h += open_ring_m)
-    lay(h + 0.5 * open_ring_m, open_ring_m, 0, {});
+  for (double ring_m = grazes_.back().impact_m; ring_m < (widest_m + 2 * disk_m) / spread; ring_m += open_ring_m)
+    lay(ring_m + 0.5 * open_ring_m, open_ring_m, 0, {});
 }
 
 /// Spreads a ring's light over the rows.

@@ -21,7 +21,7 @@ class EarthShadow {
 
   /// A ray that passes the limb with its lowest point at a height.
   struct Graze {
-    double height_m, bending_rad;
+    double height_m, impact_m, bending_rad;  // impact: from the Earth's centre to the ray's asymptotes
     Columns column;
   };
   const std::vector<Graze> &grazes() const { return grazes_; }

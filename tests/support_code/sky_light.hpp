@@ -61,6 +61,7 @@ class ClearDay {
                   std::cos(to_rad(azimuth_deg)), light.data());
     return tristimulus(light);
   }
+  double outside_lx() const { return tristimulus(std::vector<float>(nm_.size(), 1.0f))[1]; }
   double zenith_cd_m2(double sun_deg) const { return sky(sun_deg, 90, 0)[1]; }
   double direct_normal_lx(double sun_deg) const {
     std::vector<float> light(field_->optics().padded());
