@@ -31,6 +31,8 @@ Command develop_command();
 Command sunset_command();
 Command eye_command();
 Command bench_command();
+/// Of all the other commands.
+Command manual_command(std::vector<CommandSpec> specs);
 
 /// --device, --threads, --mem, --lanes, --kernel-dir, --show-build.
 DeviceOptions device_options(const Arguments &arguments);

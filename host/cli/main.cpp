@@ -12,9 +12,14 @@ namespace greenray::cli {
 namespace {
 
 std::vector<Command> all_commands() {
-  return {render_command(),  batch_command(),      check_command(),   scenes_command(),   new_command(),
-          profile_command(), refraction_command(), trace_command(),   transfer_command(), develop_command(),
-          sunset_command(),  eye_command(),        compare_command(), devices_command(),  bench_command()};
+  std::vector<Command> commands{render_command(),   batch_command(),   check_command(),      scenes_command(),
+                                new_command(),      profile_command(), refraction_command(), trace_command(),
+                                transfer_command(), develop_command(), sunset_command(),     eye_command(),
+                                compare_command(),  devices_command(), bench_command()};
+  std::vector<CommandSpec> specs;
+  for (const Command &command : commands) specs.push_back(command.spec);
+  commands.push_back(manual_command(specs));
+  return commands;
 }
 
 std::string overview(const std::vector<Command> &commands) {

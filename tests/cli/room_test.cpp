@@ -1,4 +1,5 @@
 // Rooms as a user renders them: stopped at any moment and taken up again, or refused.
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "cli/tool.hpp"
@@ -79,6 +80,53 @@ TEST_F(Rooms, ReportsErrorsAndWhereItStopped) {
   EXPECT_EQ(outcomes, report["rays_launched"].get<std::uint64_t>());
   EXPECT_EQ(run({"render", "cornell", "--crop", "0,0,500,3", "-o", "f.exr"}).code, 2);
   EXPECT_EQ(run({"render", "cornell", "--crop", "0,0,5", "-o", "f.exr"}).code, 2);
+}
+
+// oracle: what `develop` makes of the same radiances; a camera's picture is another one.  tolerance: none
+TEST_F(Rooms, TheEyeSeesWhatItSeesOfTheFile) {
+  const Words size{"-q", "--size", "40x30", "--photons", "40000", "--report", "off", "-o"};
+  const auto rendered = [&](const std::string &name, const Words &more) {
+    Words all{"render", "cornell"};
+    all.insert(all.end(), size.begin(), size.end());
+    all.push_back(name + ".exr");
+    all.insert(all.end(), more.begin(), more.end());
+    const Outcome out = run(all);
+    EXPECT_EQ(out.code, 0) << out.err;
+    return contents(folder / (name + ".png"));
+  };
+  const std::string camera = rendered("camera", {}), eye = rendered("eye", {"-D", "eye.model=human"}),
+                    steady = rendered("steady", {"-D", "eye.model=human", "-D", "eye.bleaching.steady=true"});
+  EXPECT_EQ(contents(folder / "camera.exr"), contents(folder / "eye.exr")) << "radiances have no observer";
+  EXPECT_NE(camera, eye);
+  EXPECT_NE(steady, eye);
+  ASSERT_EQ(run({"develop", "eye.exr", "--observer", "human", "--fov", "39", "-o", "eye-again.png"}).code, 0);
+  ASSERT_EQ(run({"develop", "eye.exr", "--bleaching", "steady", "--fov", "39", "-o", "steady-again.png"}).code, 0);
+  EXPECT_EQ(contents(folder / "eye-again.png"), eye);
+  EXPECT_EQ(contents(folder / "steady-again.png"), steady);
+  EXPECT_TRUE(Json::parse(contents(folder / "eye.json")).contains("eye"));
+}
+
+// oracle: the process's own peak memory: what more photons take, on a device that is this machine
+// tolerance: a factor of 1.6: the host's own copies, and the photons that really land
+TEST_F(Rooms, CheckTellsTheMemory) {
+  const Words few{"--photons", "200000", "--size", "64x48", "--spp", "1"},
+      many{"--photons", "4000000", "--size", "64x48", "--spp", "1"};
+  const auto promised = [&](const Words &flags) {
+    Words all{"check", "cornell", "--json"};
+    all.insert(all.end(), flags.begin(), flags.end());
+    const Json plan = Json::parse(run(all).out)["plan"];
+    EXPECT_GT(plan["seconds_estimated"], 0);
+    return plan["device_bytes"].get<double>();
+  };
+  const auto taken = [&](const Words &flags) {
+    Words all{"render", "cornell", "-q", "--report", "off", "-o", "room.exr"};
+    all.insert(all.end(), flags.begin(), flags.end());
+    return run(all).peak_bytes;
+  };
+  const double difference = promised(many) - promised(few);
+  EXPECT_GT(difference, 50e6);
+  EXPECT_LT(std::abs(std::log((taken(many) - taken(few)) / difference)), std::log(1.6));
+  EXPECT_EQ(listing(folder).size(), 3U);
 }
 
 }  // namespace

@@ -46,6 +46,7 @@ inline std::map<std::string, std::string> listing(const fs::path &folder) {
 struct Outcome {
   int code = -1;  // exit code; 1000 + N when killed by signal N
   std::string out, err;
+  double peak_bytes = 0;  // of its memory
 };
 
 /// How to run: folder, changed variables (nothing: removed), limit of written files, and what to do while it runs.
@@ -91,12 +92,14 @@ inline Outcome run_tool(const Words &words, const How &how) {
   if (how.meanwhile) how.meanwhile(child);
   int status = 0;
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(5);
-  while (::waitpid(child, &status, WNOHANG) == 0) {
+  rusage used{};
+  while (::wait4(child, &status, WNOHANG, &used) == 0) {
     if (std::chrono::steady_clock::now() > end) ::kill(child, SIGKILL);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   Outcome result;
   result.code = WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+  result.peak_bytes = 1024.0 * static_cast<double>(used.ru_maxrss);
   if (how.output.empty()) result.out = contents(out);
   result.err = contents(err);
   if (how.output.empty()) fs::remove(out);

@@ -136,7 +136,9 @@ class CurveThroughCells : public ::testing::TestWithParam<double> {};
 
 TEST_P(CurveThroughCells, LandsLikeSmallSteps) {
   // oracle: Runge-Kutta of the ray equation in steps of 4 mm on the medium itself, brute force on every chord
-  // tolerance: the table's 0.1 mm and float, 0.3 mm together, where neither an edge nor a shallow angle decides
+  //         |momentum| = n at the end, wherever along an arc that is
+  // tolerance: the table's 0.1 mm and float, 0.3 mm together, where neither an edge nor a shallow angle decides; of n
+  //         0.1 mm along its steepest slope of 0.3/m
   const double strength = GetParam(), margin_m = 4e-4;
   const LayeredMedium medium = laboratory(strength);
   const AirTable air = build_air_table(medium, {550}, {0, 3, 6, 1e-4, 4096});
@@ -175,6 +177,7 @@ TEST_P(CurveThroughCells, LandsLikeSmallSteps) {
     if (sure.primitive < 0) continue;
     const Triple normal = triple_of(ends[i].normal), p = triple_of(ends[i].momentum);
     const double steepness = std::abs(dot(normal, p)) / length(p);
+    EXPECT_NEAR(length(p), index_at(medium, static_cast<double>(ends[i].place[2])), 3e-5 * strength + 2e-7) << i;
     EXPECT_LT(length(triple_of(ends[i].place) - certain), 3e-4 / steepness) << i;
     EXPECT_LT(length(triple_of(in_short_arcs[i].place) - certain), 3e-4 / steepness) << i;
   }

@@ -130,6 +130,22 @@ TEST(RoughSurface, GlassKeepsEnergyAndTendsToFresnel) {
       }
 }
 
+// oracle: whichever wavelength leads, the mean over all leaders of what a split leaves is what was there before
+// tolerance: none: WAVES is a power of two
+TEST(DispersingGlass, ASplitKeepsEveryWavelength) {
+  constexpr int waves = 8;
+  float sum[waves] = {};
+  for (int hero = 0; hero < waves; ++hero) {
+    Bundle b{};
+    for (int w = 0; w < waves; ++w) b.weight[w] = static_cast<float>(w + 1);
+    b.hero = hero;
+    split_bundle(&b);
+    split_bundle(&b);  // a second time changes nothing
+    for (int w = 0; w < waves; ++w) sum[w] += b.weight[w] / waves;
+  }
+  for (int w = 0; w < waves; ++w) EXPECT_EQ(sum[w], static_cast<float>(w + 1));
+}
+
 /// Born & Wolf, section 1.5.2, in double; 1 beyond the angle of total reflection.
 double fresnel(double cosine, double index) {
   const double sine2 = (1 - cosine * cosine) / (index * index);
