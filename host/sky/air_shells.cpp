@@ -20,6 +20,23 @@ double mean_of_exponential(double a, double b) {
   return (a - b) / std::log(a / b);
 }
 
+/// -d(ln n)/dz, flattened.
+double bend_per_m(const LayeredMedium &medium, double wavelength_nm, double height_m) {
+  if (height_m > medium.top_m) return 0;
+  const Dual n = medium.refractivity(height_m, wavelength_nm);
+  return -n.slope / (1 + n.value) * (medium.radius_m > 0 ? 1 + height_m / medium.radius_m : 1);
+}
+
+/// Integrals of 1, t - 1/2 and 6 t^2 - 6 t + 1 over a piece on which the sine's square goes from a^2 to b^2, divided by
+/// the sine.
+struct PieceWeights {
+  double mean, tilt, bow;
+  PieceWeights(double a, double b) {
+    const double r = 1 / (a + b), steeper = (b - a) * r;
+    mean = 2 * r, tilt = -steeper * r / 3, bow = 0.4 * steeper * steeper * r;
+  }
+};
+
 }  // namespace
 
 AirShells::AirShells(const LayeredMedium &medium, double wavelength_nm, const LayerAbsorbers &absorbers,
@@ -46,7 +63,15 @@ AirShells::AirShells(const LayeredMedium &medium, double wavelength_nm, const La
     s.mean = {mean_of_exponential(s.density.air, next.density.air),
               (s.density.ozone + next.density.ozone + 4 * std::exp(-0.5 * from_peak * from_peak)) / 6,
               mean_of_exponential(s.density.aerosol, next.density.aerosol)};
-    s.bend_per_m = (radius_m_ > 0 ? 1 / radius_m_ : 0) - (next.log_index - s.log_index) / thick;
+    s.tilt = next.density - s.density;
+    s.bow = (s.density + next.density) * 0.5 - s.mean;
+    // Kinks lie at levels: slopes are those within the shell.
+    const double inside_m = 1e-6 * (next.height_m - s.height_m);
+    const double foot = bend_per_m(medium, wavelength_nm, s.height_m + inside_m);
+    const double top = bend_per_m(medium, wavelength_nm, next.height_m - inside_m);
+    s.bend_mean = (radius_m_ > 0 ? 1 / radius_m_ : 0) - (next.log_index - s.log_index) / thick;
+    s.bend_tilt = top - foot;
+    s.bend_bow = 0.5 * (foot + top) - s.bend_mean;
   }
 }
 
@@ -68,19 +93,32 @@ struct AirShells::Walker {
   PathPlace place;
   double longest_m;
 
-  /// Through a piece of a shell, from sine a to sine b, dz thick, to a height that is known. False: it ended on the
-  /// way.
-  bool go(const Shell &s, double a, double b, double dz_m, bool up, double to_height_m) {
-    const double whole_m = 2 * dz_m / (a + b), left_m = (longest_m - place.length_m) / s.stretch;
+  /// Through a piece of a shell, from sine a at t = from to sine b at t = to, to a height that is known. False: it
+  /// ended on the way.
+  bool go(const Shell &s, double thick_m, double from, double to, double a, double b, double to_height_m) {
+    const double whole_m = 2 * std::abs(to - from) * thick_m / (a + b);
+    const double left_m = (longest_m - place.length_m) / s.stretch;
     const double done = std::min(1.0, left_m / whole_m), chord_m = whole_m * done;
-    const double sine = a + (b - a) * done, sign = up ? 1 : -1;
+    const double sine = a + (b - a) * done, sign = to > from ? 1 : -1;
     const double cosine = std::sqrt(std::max(0.0, 1 - (a * a + a * sine + sine * sine) / 3));
+    const double reached = done < 1 ? from + (to - from) * done * (a + sine) / (a + b) : to;
+    const double part_m = std::abs(reached - from) * thick_m;
+    const auto mean_of = [&](auto mean, auto tilt, auto bow) {  // along the piece, by its length
+      const double span2 = (reached - from) * (reached - from);
+      const auto near = mean + tilt * (from - 0.5) + bow * (6 * from * (from - 1) + 1);
+      const auto far = mean + tilt * (reached - 0.5) + bow * (6 * reached * (reached - 1) + 1);
+      const PieceWeights weigh(a, sine);
+      return (((near + far) * 0.5 - bow * span2) * weigh.mean + (far - near) * weigh.tilt + bow * (span2 * weigh.bow)) *
+             part_m;
+    };
+    if (part_m > 0) {
+      place.column = place.column + mean_of(s.mean, s.tilt, s.bow) * s.stretch;
+      place.bending_rad += cosine * mean_of(s.bend_mean, s.bend_tilt, s.bend_bow);
+    }
     place.length_m += chord_m * s.stretch;
     place.along_m += chord_m * cosine;
-    place.bending_rad += chord_m * cosine * s.bend_per_m;
-    place.column = place.column + s.mean * (chord_m * s.stretch);
     place.elevation_rad = sign * std::asin(std::min(1.0, sine));
-    place.height_m = done < 1 ? place.height_m + sign * chord_m * 0.5 * (a + sine) * s.stretch : to_height_m;
+    place.height_m = done < 1 ? place.height_m + sign * part_m * s.stretch : to_height_m;
     return done >= 1;
   }
 };
@@ -109,7 +147,7 @@ PathEnd AirShells::walk(std::size_t level, double elevation_rad, double longest_
     const double thick = shells_[std::min(at, next) + 1].flattened_m - s.flattened_m;
     const double a = std::sqrt(near2), far2 = sine2(next);
     if (far2 > 0) {
-      const bool went = walker.go(s, a, std::sqrt(far2), thick, up, shells_[next].height_m);
+      const bool went = walker.go(s, thick, up ? 0 : 1, up ? 1 : 0, a, std::sqrt(far2), shells_[next].height_m);
       keep(walker.place);
       if (!went) return PathEnd::endless;
       at = next, near2 = far2;
@@ -119,9 +157,10 @@ PathEnd AirShells::walk(std::size_t level, double elevation_rad, double longest_
     const double part = near2 / (near2 - far2), sign = up ? 1 : -1;
     if (part > 0) {
       const double lowest_m = walker.place.height_m + sign * part * thick * s.stretch;
-      bool went = walker.go(s, a, 0, part * thick, up, lowest_m);
+      const double edge = up ? 0 : 1, turn = edge + sign * part;
+      bool went = walker.go(s, thick, edge, turn, a, 0, lowest_m);
       keep(walker.place);
-      went = went && walker.go(s, 0, a, part * thick, !up, shells_[at].height_m);
+      went = went && walker.go(s, thick, turn, edge, 0, a, shells_[at].height_m);
       keep(walker.place);
       if (!went) return PathEnd::endless;
     }
@@ -183,7 +222,8 @@ std::vector<double> shell_heights(const LayeredMedium &medium, const std::vector
   std::sort(marks.begin(), marks.end());
   marks.erase(std::unique(marks.begin(), marks.end()), marks.end());
   std::vector<double> heights{0};
-  constexpr double finest_m = 0.5, coarsest_m = 20000;
+  constexpr double finest_m = 0.5, shadow_m = 40000;  // the Earth's shadow lies below that while twilight is bright
+  const auto coarsest = [](double h) { return h < shadow_m ? 8000 : h / 4; };
   for (std::size_t i = 0; i + 1 < marks.size(); ++i) {
     if (marks[i] >= medium.top_m) {  // nothing there
       heights.push_back(marks[i + 1]);
@@ -191,7 +231,7 @@ std::vector<double> shell_heights(const LayeredMedium &medium, const std::vector
     }
     for (double h = marks[i]; h < marks[i + 1];) {
       const double from_eye = std::abs(h - eye_m);
-      h += std::max(finest_m, step * std::min({h + 1, from_eye + 2, coarsest_m}));
+      h += std::max(finest_m, step * std::min({h + 1, from_eye + 2, coarsest(h)}));
       if (h > marks[i + 1] - finest_m / 2) h = marks[i + 1];
       heights.push_back(h);
     }

@@ -38,8 +38,10 @@ struct AirPath {
 
 class AirShells {
  public:
-  /// Shells between these heights [m], ascending, from the ground to the medium's top or beyond. Linear in each: the
-  /// square of sin(elevation); the columns are exact for exponentials (air, aerosol) and small steps.
+  /// Shells between these heights [m], ascending, from the ground to the medium's top or beyond. In each the square of
+  /// sin(elevation) is linear in height; densities and the slope of the index are parabolas through both ends and the
+  /// mean, of which lengths, bending and columns follow exactly, also where a ray turns (docs/method.md, Layers in
+  /// closed form).
   /// absorbers: shapes of ozone and aerosol, of which the aerosol's is that of the surface upward.
   AirShells(const LayeredMedium &medium, double wavelength_nm, const LayerAbsorbers &absorbers,
             std::vector<double> heights_m);
@@ -77,8 +79,10 @@ class AirShells {
   struct Shell {                  // from this level to the next
     double height_m, log_index;   // ln N, flattened
     double flattened_m, stretch;  // (1 + h/R) in its middle
-    Columns density, mean;        // at the level; over the shell
-    double bend_per_m;            // -d(ln n)/dz, flattened
+    Columns density;              // at the level
+    /// Over the shell, by t from its foot 0 to its top 1: mean + tilt (t - 1/2) + bow (6 t^2 - 6 t + 1).
+    Columns mean, tilt, bow;
+    double bend_mean = 0, bend_tilt = 0, bend_bow = 0;  // of -d(ln n)/dz, flattened
   };
   struct Walker;
   template <class Keep>
@@ -89,7 +93,8 @@ class AirShells {
 };
 
 /// Heights for `AirShells`: fine near the ground, the eye and the medium's own features, each step at most `step` of
-/// the height above the surface or of the distance from the eye, and never over step x 20 km.
+/// the height above the surface or of the distance from the eye, and never over step x 8 km below 40 km, where the edge
+/// of the Earth's shadow lies in twilight, and a quarter of step of the height above.
 std::vector<double> shell_heights(const LayeredMedium &medium, const std::vector<double> &features_m, double eye_m,
                                   double step);
 

@@ -13,7 +13,7 @@ struct SkyFieldOptions {
   double sun_radius_rad = 959.63 / 3600 * 3.14159265358979323846 / 180;
   double ground_albedo = 0.06;  // Lambertian, what lights the air from below; 0.06: the sea
   double wavelength_nm = 550;   // whose refraction all light has here
-  double step = 0.2;            // of the shells (shell_heights)
+  double step = 0.12;           // of the shells (shell_heights)
 };
 
 /// Light that a piece of path adds to what is seen behind it, and what it leaves of that.
