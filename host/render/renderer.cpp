@@ -74,7 +74,10 @@ class Renderer {
     light_.moon = place_of_moon(scene_, sight_->reference(), light_.air, plan_.wavelengths_nm);
     light_by_sun_or_moon();
     light_.glow = glow();
-    if (light_.glow) report_.azimuth_error = light_.glow->azimuth_error();
+    if (light_.glow) {
+      report_.azimuth_error = light_.glow->azimuth_error();
+      for (double distance_m : plan_.station_m) light_.air_before.push_back(light_.glow->air_before(distance_m));
+    }
     report_.emit_seconds += std::max(0.0, seconds_since(begin) - (device_->compile_seconds() - compiled_before));
   }
 

@@ -58,22 +58,20 @@ void fill_entry(const SkyLight &light, const TransferTable &transfer, std::size_
 
 }  // namespace
 
-LightOfPaths::LightOfPaths(const SkyLight &light, double distance_m) : light_(light) {
-  if (light.glow) light.glow->airlight(distance_m, elevation_rad_, rows_);
-}
-
-PathLight LightOfPaths::at(const Transfer &ray, std::size_t wave) const {
-  if (light_.sky.model == SkyScene::Model::academic) return {1, 0, 0};
-  const double left = std::exp(-optical_depth(ray, light_.air[wave]));
-  if (!light_.glow) return {left, 0, 0};
+PathLight light_of_path(const SkyLight &light, const Transfer &ray, std::size_t station, std::size_t wave) {
+  if (light.sky.model == SkyScene::Model::academic) return {1, 0, 0};
+  const double left = std::exp(-optical_depth(ray, light.air[wave]));
+  if (!light.glow) return {left, 0, 0};
+  const SkyGlow::AirBefore &air = light.air_before.at(station);
+  const std::vector<double> &elevations = air.elevation_rad;
   const double e = elevation_rad(ray);
-  const auto next = std::upper_bound(elevation_rad_.begin(), elevation_rad_.end(), e);
-  const auto k = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(
-      next - elevation_rad_.begin() - 1, 0, static_cast<std::ptrdiff_t>(elevation_rad_.size()) - 2));
-  const double width = std::max(elevation_rad_[k + 1] - elevation_rad_[k], 1e-300);
-  const double t = std::clamp((e - elevation_rad_[k]) / width, 0.0, 1.0);
-  const std::size_t padded = light_.glow->padded();
-  const float *below = &rows_[2 * k * padded + wave], *above = below + 2 * padded;
+  const auto next = std::upper_bound(elevations.begin(), elevations.end(), e);
+  const auto k = static_cast<std::size_t>(
+      std::clamp<std::ptrdiff_t>(next - elevations.begin() - 1, 0, static_cast<std::ptrdiff_t>(elevations.size()) - 2));
+  const double width = std::max(elevations[k + 1] - elevations[k], 1e-300);
+  const double t = std::clamp((e - elevations[k]) / width, 0.0, 1.0);
+  const std::size_t padded = light.glow->padded();
+  const float *below = &air.rows[2 * k * padded + wave], *above = below + 2 * padded;
   return {left, below[0] + t * (above[0] - below[0]), below[padded] + t * (above[padded] - below[padded])};
 }
 

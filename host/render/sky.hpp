@@ -29,6 +29,7 @@ struct SkyLight {
   std::shared_ptr<const SkyGlow> glow = {};  // null: black (academic, or neither Sun nor Moon)
   std::vector<double> irradiance = {};       // [wavelengths] of what lights the sky, outside the air
   MoonPlace moon = {};
+  std::vector<SkyGlow::AirBefore> air_before = {};  // by station of the targets; none: black
 };
 
 /// The Sun's disk through the extinction of each ray's own columns, and the light of sky and sea (SkyGlow) where the
@@ -46,17 +47,8 @@ double optical_depth(const Transfer &ray, const SpectralAir &air);
 struct PathLight {
   double passed, isotropic, aureole;
 };
-class LightOfPaths {
- public:
-  LightOfPaths(const SkyLight &light, double distance_m);
-  /// ray: columns up to there, and where it was sent (bending, and direction there).
-  PathLight at(const Transfer &ray, std::size_t wave) const;
-
- private:
-  const SkyLight &light_;
-  std::vector<double> elevation_rad_;
-  std::vector<float> rows_;  // [elevations][glow, aureole][padded]
-};
+/// ray: columns up to there, and where it was sent (bending, and direction there). station: of light.air_before.
+PathLight light_of_path(const SkyLight &light, const Transfer &ray, std::size_t station, std::size_t wave);
 
 /// Irradiance [W m^-2 nm^-1] on an upright white surface at sea level that faces the eye from an azimuth (from the
 /// picture's centre): the Sun as the air leaves it, sky and sea by their mean light and its flux (DiffuseLight).

@@ -206,19 +206,19 @@ SkyGlow::Place SkyGlow::find(double elevation_rad, bool to_space) const {
   return {&best->rows[k * row], &best->rows[(k + 1) * row], static_cast<float>(t)};
 }
 
-void SkyGlow::airlight(double distance_m, std::vector<double> &elevation_rad, std::vector<float> &rows) const {
+SkyGlow::AirBefore SkyGlow::air_before(double distance_m) const {
   const SkyOptics &optics = field_->optics();
   const std::size_t n = padded();
-  elevation_rad.clear();
+  AirBefore air;
   for (const Interval &i : intervals_)
-    elevation_rad.insert(elevation_rad.end(), i.elevation_rad.begin(), i.elevation_rad.end());
-  rows.assign(elevation_rad.size() * 2 * n, 0.0f);
+    air.elevation_rad.insert(air.elevation_rad.end(), i.elevation_rad.begin(), i.elevation_rad.end());
+  air.rows.assign(air.elevation_rad.size() * 2 * n, 0.0f);
   const SunOfStart sun{std::sin(sun_altitude_rad_), std::cos(sun_altitude_rad_), 1 - (near_ + far_)};
-  for_pieces(elevation_rad.size(), 8, host_threads(), [&](std::size_t first, std::size_t last) {
+  for_pieces(air.elevation_rad.size(), 8, host_threads(), [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
-      const double e = elevation_rad[i];
+      const double e = air.elevation_rad[i];
       const ScatterPath path = field_->line_of_sight(e, distance_m / std::max(std::cos(e), 1e-6));
-      float *glow = &rows[2 * i * n], *aureole = glow + n;
+      float *glow = &air.rows[2 * i * n], *aureole = glow + n;
       add_scattered(path, optics, field_->sources(), sun_altitude_rad_, sun.cos_azimuth, glow, aureole);
       const double seen = e - path.places.back().bending_rad;
       const double towards = sun.sine * std::sin(seen) + sun.cosine * std::cos(seen) * sun.cos_azimuth;
@@ -229,6 +229,7 @@ void SkyGlow::airlight(double distance_m, std::vector<double> &elevation_rad, st
       }
     }
   });
+  return air;
 }
 
 }  // namespace greenray

@@ -55,9 +55,13 @@ class SkyGlow {
   double slope2() const { return sea_ && sea_->has_waves() ? sea_->slope2() : 0; }
   std::size_t padded() const { return field_->optics().padded(); }
 
-  /// The air between the eye and a distance along the surface, at the middle azimuth: elevations of the table, and
-  /// [elevations][glow, aureole][padded] for them. A line that ends before counts to its end.
-  void airlight(double distance_m, std::vector<double> &elevation_rad, std::vector<float> &rows) const;
+  /// The air between the eye and a distance along the surface, at the middle azimuth. A line that ends before counts
+  /// to its end.
+  struct AirBefore {
+    std::vector<double> elevation_rad;
+    std::vector<float> rows;  // [elevations][glow, aureole][padded]
+  };
+  AirBefore air_before(double distance_m) const;
   const SkyField &field() const { return *field_; }
 
  private:

@@ -209,7 +209,6 @@ class SightWriter {
       : light_(light), sights_(sights), sea_(sea), edges_(edges), wavelengths_(wavelengths), padded_(padded) {
     const std::size_t stations = sights.station_m.size() + (sea.sights ? 1 : 0);
     entries_ = sights.elevation_rad.size();
-    for (double distance_m : sights.station_m) air_before_.emplace_back(light, distance_m);
     table_.assign(entries_ * stations * f32::TARGET_CHANNEL_COUNT * padded, 0.0f);
     for (std::size_t e = 0; e < entries_; ++e)
       for (std::size_t s = 0; s < stations; ++s)
@@ -240,7 +239,7 @@ class SightWriter {
     path.column = place.column;
     path.bending_rad = place.bending_rad;
     path.true_altitude_rad = sights_.elevation_rad[e] - place.bending_rad;
-    write_path(at, path.true_altitude_rad - light_.sun.true_altitude_rad, air_before_[s].at(path, w));
+    write_path(at, path.true_altitude_rad - light_.sun.true_altitude_rad, light_of_path(light_, path, s, w));
     at[f32::TARGET_HEIGHT * padded_] = static_cast<float>(place.height_m);
     const SightPlace &next = sights_.at(std::min(e + 1, entries_ - 1), w, s);
     at[f32::TARGET_JOINED * padded_] = joined(place, next, edge(e, w));
@@ -251,7 +250,6 @@ class SightWriter {
   const SeaDraw &sea_;
   const std::vector<float> &edges_;
   std::size_t wavelengths_, padded_, entries_ = 0;
-  std::vector<LightOfPaths> air_before_;  // of each station
   std::vector<float> table_;
 };
 

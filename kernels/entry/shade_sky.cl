@@ -43,18 +43,20 @@ __kernel void shade_sky(__global const float *table, __global const float *disks
       const float at = clamp((LANE(d.elevation_rad, i) - view.first_elevation_rad) * view.entries_per_rad, 0.0f,
                              (float)(view.entries - 1));
       const int entry = min((int)at, view.entries - 2);
-      float weight[SKY_MOST_AZIMUTHS];
-      azimuth_weights(&view, LANE(half_azimuth, i), weight);
+      const SkySample from = sky_sample(&view, table, waves, entry, at - (float)entry, LANE(d.azimuth_rad, i),
+                                        LANE(half_azimuth, i));
+#if defined(WITH_TARGETS)
+      const SkySample from_sea = sky_sample(&view, table, waves, scale.sea_entry, 0.0f, LANE(d.azimuth_rad, i),
+                                            LANE(half_azimuth, i));
+#endif
       real band = SPREAD(0);
       for (int g = 0; g < SKY_WAVES / LANES; ++g) {
-        real radiance = sky_radiance(&view, table, disks, waves, g * LANES, entry, at - (float)entry,
-                                     LANE(d.azimuth_rad, i), LANE(half_azimuth, i), weight);
+        real radiance = sky_radiance(&view, table, disks, waves, g * LANES, &from);
 #if defined(WITH_TARGETS)
         const float azimuth = LANE(d.azimuth_rad, i);
         real sea = radiance;
         if (waves_hide(&targets, g * LANES, entry, at - (float)entry, azimuth))
-          sea = sky_radiance(&view, table, disks, waves, g * LANES, scale.sea_entry, 0.0f, azimuth,
-                             LANE(half_azimuth, i), weight);
+          sea = sky_radiance(&view, table, disks, waves, g * LANES, &from_sea);
         radiance = before_targets(&view, &targets, radiance, sea, g * LANES, entry, at - (float)entry, azimuth,
                                   LANE(half_azimuth, i));
 #endif
