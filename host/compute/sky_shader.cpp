@@ -74,7 +74,7 @@ struct TerrainBuffers {
 struct SkyShader::State {
   std::shared_ptr<Device> owner;
   Device::State &device;
-  Buffer<float> table, limb, spectra, moments;
+  Buffer<float> table, disks, spectra, moments;
   int waves;
   f32::SkyView view{};
   cl::Kernel kernel;
@@ -87,12 +87,12 @@ struct SkyShader::State {
       : owner(std::move(d)),
         device(owner->state()),
         table(device, t.values.size(), "the transfer table"),
-        limb(device, t.limb.size(), "limb darkening"),
+        disks(device, t.disks.size(), "the disks of Sun and Moon"),
         spectra(device, band_floats(width, rows, t.waves), "the spectral picture"),
         moments(device, band_floats(width, rows, 2), "the noise estimate"),
         waves(t.waves) {
     table.write(t.values.data(), t.values.size());
-    limb.write(t.limb.data(), t.limb.size());
+    disks.write(t.disks.data(), t.disks.size());
     BuildPlan plan{"shade_sky", device.lanes.lanes_float, false, false, false, false};
     plan.sky_waves = waves;
     if (before.any() || relief.any()) plan.words = " -DWITH_TARGETS=1";
@@ -103,7 +103,7 @@ struct SkyShader::State {
       if (!warm) device.kernels[key] = cl::Kernel(build_program(device, plan), "shade_sky");
       kernel = device.kernels[key];
       kernel.setArg(0, table.cl());
-      kernel.setArg(1, limb.cl());
+      kernel.setArg(1, disks.cl());
       kernel.setArg(2, spectra.cl());
       kernel.setArg(3, moments.cl());
       if (before.any() || relief.any()) set_targets(before);

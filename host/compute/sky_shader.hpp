@@ -10,11 +10,11 @@
 
 namespace greenray {
 
-/// Rows of the transfer table for the kernel: [entries][SKY_CHANNELS][waves], waves padded (kernels/shared/sky.h).
+/// Rows of the transfer table for the kernel: [entries][channels][waves], waves padded (kernels/shared/sky.h).
 struct SkyTable {
-  int entries = 0, waves = 0;
+  int entries = 0, waves = 0, channels = 0;
   std::vector<float> values;
-  std::vector<float> limb;  // [LIMB_TERMS][waves]
+  std::vector<float> disks;  // of Sun and Moon: [DISK_MOON_SHADOW + shadow rows][waves]
 };
 
 /// What stands before the sky, targets and waves, for the same kernel (kernels/shared/target.h). Of as many wavelengths

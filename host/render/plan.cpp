@@ -222,7 +222,6 @@ void plan_sea(const Scene &scene, RenderPlan &plan) {
   plan.rough_sea = true;
   plan.choices.push_back({"sea", "rough", words.str() + "; crests in a ray's way are counted along it", 0, ""});
   plan.modelled.push_back("waves before the horizon and before targets: " + words.str());
-  plan.left_out.push_back("glitter: the sea mirrors the sky as if it were smooth, whatever its waves");
 }
 
 void plan_targets(const Scene &scene, RenderPlan &plan) {
@@ -268,6 +267,20 @@ void explain(const Scene &scene, const RenderOptions &options, RenderPlan &plan)
   else
     did.push_back("extinction along the bent path: Rayleigh, ozone" +
                   std::string(scene.atmosphere.visibility_km || scene.atmosphere.turbidity ? ", aerosol" : ""));
+  const bool by_sun = scene.sun.given != SunScene::Given::nothing;
+  const bool by_moon = scene.moon.given != MoonScene::Given::nothing;
+  if (by_moon)
+    did.push_back(scene.moon.shadow_arcmin ? "the Moon, in the light that the Earth's air bends into its shadow"
+                                           : "the Moon, by its phase");
+  if (by_sun && by_moon) left.push_back("moonlight on air and sea: the Sun lights them");
+  if (!academic && scene.atmosphere.extinction && (by_sun || by_moon)) {
+    did.push_back("light of the sky: scattered once along the bent path, and again by air and ground" +
+                  std::string(plan.section ? ", in the air over the eye" : ""));
+    did.push_back(scene.sky.surface == SkyScene::Surface::land ? "the ground: Lambertian"
+                  : scene.sky.sea_reflectance                  ? "the sea: a mirror of the sky at 10 degrees"
+                                                               : "the sea: sky and Sun mirrored by waves");
+    left.push_back("clouds, the light of the night sky, and polarisation");
+  }
   if (scene.sun.given == SunScene::Given::nothing) left.push_back("the Sun: no [sun] in the scene");
   else did.push_back(std::string("the Sun") + (scene.sun.limb_darkening && !academic ? " with limb darkening" : ""));
   if (!plan.station_m.empty()) {
@@ -283,6 +296,17 @@ void explain(const Scene &scene, const RenderOptions &options, RenderPlan &plan)
 }
 
 }  // namespace
+
+AzimuthRange azimuths_from(const Scene &scene, const RenderPlan &plan, double azimuth_rad) {
+  const double tangent = std::tan(to_rad(scene.observer.fov_deg) / 2);
+  const double altitude = to_rad(scene.observer.altitude_deg);
+  const double half_height = tangent * plan.size[1] / plan.size[0];
+  // The widest row is the one nearest to the zenith or the nadir; where that is in the picture, all azimuths are.
+  const double forward = std::cos(altitude) - half_height * std::sin(std::abs(altitude));
+  if (forward <= 1e-9) return {0, pi};
+  const double half_width = std::atan2(tangent, forward) * 1.001, away = std::abs(std::remainder(azimuth_rad, 2 * pi));
+  return {std::max(0.0, away - half_width), std::min(pi, away + half_width)};
+}
 
 RenderPlan plan_render(const Scene &scene, const RenderOptions &options) {
   RenderPlan plan;
@@ -316,7 +340,7 @@ RenderPlan plan_render(const Scene &scene, const RenderOptions &options) {
   plan.host_bytes = pixels * (plan.wavelengths_nm.size() + padded + 8) * sizeof(float) +
                     plan.entries * plan.wavelengths_nm.size() * 300;
   plan.device_bytes =
-      pixels * (padded + 2) * sizeof(float) + plan.entries * padded * 5 * sizeof(float) + (std::size_t{1} << 18) * 168;
+      pixels * (padded + 2) * sizeof(float) + plan.entries * padded * 12 * sizeof(float) + (std::size_t{1} << 18) * 168;
   if (const std::size_t stations = plan.station_m.size() + (plan.rough_sea ? 1 : 0); stations > 0) {
     plan.device_bytes += plan.entries * stations * padded * f32::TARGET_CHANNEL_COUNT * sizeof(float);
     plan.host_bytes +=

@@ -75,8 +75,14 @@ class Renderer {
     const auto begin = Clock::now();
     const double compiled_before = device_->compile_seconds();
     place_sun();
-    light_ = {scene_.sky, sun_, sight_->rays_at(sunlight_altitude_deg()), sight_->rays_at(10),
-              spectral_air(scene_, plan_.wavelengths_nm)};
+    light_ = {scene_.sky, sun_, sight_->rays_at(sunlight_altitude_deg()), spectral_air(scene_, plan_.wavelengths_nm)};
+    light_.moon = place_of_moon(scene_, sight_->reference(), light_.air, plan_.wavelengths_nm);
+    light_by_sun_or_moon();
+    light_.glow = glow();
+    if (light_.glow) {
+      report_.azimuth_error = light_.glow->azimuth_error();
+      for (double distance_m : plan_.station_m) light_.air_before.push_back(light_.glow->air_before(distance_m));
+    }
     report_.emit_seconds += std::max(0.0, seconds_since(begin) - (device_->compile_seconds() - compiled_before));
   }
 
@@ -87,6 +93,31 @@ class Renderer {
     const double seen_deg = report_.sun_apparent_altitude_deg.value_or(to_deg(sun_.true_altitude_rad));
     if (!report_.horizon_altitude_deg) return report_.sun_apparent_altitude_deg.value_or(std::max(seen_deg, 0.0));
     return std::max(seen_deg, *report_.horizon_altitude_deg + clear_of_the_ground_deg);
+  }
+
+  /// Who lights the sky: the Sun, and in a scene without it the Moon, which then stands in its place.
+  void light_by_sun_or_moon() {
+    if (sun_.shines) {
+      for (const SpectralAir &air : light_.air) light_.irradiance.push_back(air.irradiance_outside(sun_.radius_rad));
+      return;
+    }
+    if (!light_.moon.shines) return;
+    sun_.true_altitude_rad = light_.moon.true_altitude_rad;
+    sun_.azimuth_rad = light_.moon.azimuth_rad;
+    light_.irradiance = light_.moon.irradiance;
+    light_.sun = sun_;
+    report_.sun_apparent_altitude_deg.reset();
+    if (const auto seen = apparent_altitude_rad(sight_->reference(), sun_.true_altitude_rad, sight_->horizon_rad()))
+      light_.towards_sun = sight_->rays_at(to_deg(*seen));
+  }
+
+  std::shared_ptr<const SkyGlow> glow() const {
+    if (light_.irradiance.empty() || !sight_->field()) return nullptr;
+    const double low = to_rad(plan_.first_elevation_deg);
+    const double high = low + from_arcsec(plan_.spacing_arcsec) * static_cast<double>(plan_.entries - 1);
+    const AzimuthRange seen = azimuths_from(scene_, plan_, sun_.azimuth_rad);
+    return std::make_shared<SkyGlow>(sight_->field(), scene_.sky, sun_.true_altitude_rad, light_.irradiance,
+                                     GlowRange{low, std::min(high, pi / 2), seen.nearest_rad, seen.farthest_rad});
   }
 
   f32::SkyView view() const {
@@ -103,7 +134,8 @@ class Renderer {
     v.sun_sin_altitude = static_cast<float>(std::sin(sun_.true_altitude_rad));
     v.sun_cos_altitude = static_cast<float>(std::cos(sun_.true_altitude_rad));
     v.sun_radius_rad = static_cast<float>(sun_.radius_rad);
-    v.phase_asymmetry = static_cast<float>(aerosol_asymmetry);
+    set_azimuths(light_.glow.get(), v);
+    v.moon = moon_view(scene_.moon, light_.moon, sun_.true_altitude_rad);
     v.entries = static_cast<int>(sight_->transfer().entries);
     v.width = plan_.crop[2] - plan_.crop[0];
     v.first_column = plan_.crop[0];
@@ -192,7 +224,7 @@ class Renderer {
   int rows_of_band(const SkyTable &sky, std::size_t bytes_before_it, const SkyPicture &picture) const {
     const std::size_t row_bytes = SkyShader::band_bytes(picture.width(), 1, sky.waves);
     const std::size_t fixed =
-        (sky.values.size() + sky.limb.size()) * sizeof(float) + bytes_before_it + device_->used_bytes();
+        (sky.values.size() + sky.disks.size()) * sizeof(float) + bytes_before_it + device_->used_bytes();
     const std::size_t left = device_->budget_bytes() > fixed ? (device_->budget_bytes() - fixed) / 10 * 9 : 0;
     std::size_t most = std::min(left, device_->info().largest_buffer_bytes);
     if (!adaptive() && device_->info().is_cpu) most = std::min(most, cached_bytes);
@@ -244,17 +276,19 @@ class Renderer {
     between.entries = sight_->probes().below.size();
     between.rays = sight_->probes().rays;
     const SkyTable truth = make_sky_table(light_, between, waves);
-    const auto n = static_cast<std::size_t>(waves), entry = n * f32::SKY_CHANNEL_COUNT;
+    const auto n = static_cast<std::size_t>(waves), entry = n * static_cast<std::size_t>(sky.channels);
     double error = 0, light = 0;
     for (std::size_t k = 0; k < between.entries; ++k)
       for (std::size_t w = 0; w < light_.air.size(); ++w) {
         const float *a = &sky.values[sight_->probes().below[k] * entry + w], *b = a + entry,
                     *t = &truth.values[k * entry + w];
         if (a[f32::SKY_JOINED * n] < 1.0f) continue;
-        for (std::size_t c : {f32::SKY_SUN * n, f32::SKY_GLOW * n}) {
-          const double difference = 0.5 * (static_cast<double>(a[c]) + b[c]) - t[c];
+        for (std::size_t c : {f32::SKY_PASSED * n, f32::SKY_LIGHT * n}) {
+          if (c >= entry) continue;  // no light but the Sun's
+          const double scale = c == f32::SKY_LIGHT * n ? 1 : sun_.shines ? light_.air[w].sun_centre_radiance : 0;
+          const double difference = scale * (0.5 * (static_cast<double>(a[c]) + b[c]) - t[c]), is = scale * t[c];
           error += difference * difference;
-          light += static_cast<double>(t[c]) * t[c];
+          light += is * is;
         }
       }
     report_.bias = light > 0 ? std::sqrt(error / light) : 0;

@@ -65,10 +65,16 @@ struct RenderPlan {
   std::vector<std::string> modelled, left_out;  // each with its reason
 };
 
+/// Azimuths from a direction that lies azimuth_rad from the picture's centre, over the whole picture, 0..pi.
+struct AzimuthRange {
+  double nearest_rad, farthest_rad;
+};
+AzimuthRange azimuths_from(const Scene &scene, const RenderPlan &plan, double azimuth_rad);
+
 RenderPlan plan_render(const Scene &scene, const RenderOptions &options);
 
-/// Throws InputError when the Sun's apparent altitude is given and light from there does not come from the sky. Needs
-/// no device; `render` does the same later.
+/// Throws InputError when the Sun's or the Moon's apparent altitude is given and light from there does not come from
+/// the sky. Needs no device; `render` does the same later.
 void require_sun_in_sky(const Scene &scene, const RenderOptions &options);
 
 struct RenderReport {
@@ -81,6 +87,7 @@ struct RenderReport {
   std::optional<double> terrain_arcsec, ground_arcsec;  // of rays above terrain, and of the terrain between samples
   std::optional<double> sun_optical_depth;              // on the Sun's own path, at the middle wavelength
   double noise_rms = 0, bias = 0;                       // relative to the mean radiance
+  double azimuth_error = 0;  // of the sky's light between the azimuths of its table, largest, relative
   int spp = 0;
   std::optional<double> sun_true_altitude_deg, sun_apparent_altitude_deg;  // of its centre, at 550 nm
   std::optional<double> horizon_altitude_deg;                              // apparent, at 550 nm

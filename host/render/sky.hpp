@@ -1,13 +1,18 @@
 // Radiance of sky, sea and Sun for each entry of the transfer table.
 #pragma once
+#include <memory>
+
 #include "compute/sky_shader.hpp"
+#include "render/moon_place.hpp"
+#include "render/sky_glow.hpp"
 #include "render/spectrum.hpp"
 #include "render/transfer.hpp"
 #include "scene/scene.hpp"
 
 namespace greenray {
 
-/// The Sun's place, resolved: centre, true altitude (outside the air), azimuth from the picture's centre.
+/// The Sun's place, or, where it does not shine, that of the Moon in its stead; resolved: centre, true altitude
+/// (outside the air), azimuth from the picture's centre.
 struct SunPlace {
   bool shines = false;
   double true_altitude_rad = 0;
@@ -19,31 +24,34 @@ struct SunPlace {
 struct SkyLight {
   SkyScene sky;
   SunPlace sun;
-  std::vector<Transfer> towards_sun, at_10_degrees;  // [wavelengths]: the rays that light air and sea
-  std::vector<SpectralAir> air;                      // [wavelengths]
+  std::vector<Transfer> towards_sun;         // [wavelengths]
+  std::vector<SpectralAir> air;              // [wavelengths]
+  std::shared_ptr<const SkyGlow> glow = {};  // null: black (academic, or neither Sun nor Moon)
+  std::vector<double> irradiance = {};       // [wavelengths] of what lights the sky, outside the air
+  MoonPlace moon = {};
+  std::vector<SkyGlow::AirBefore> air_before = {};  // by station of the targets; none: black
 };
 
-/// The plain sky: one scattering with a source that is constant along the path, so that it is right in colour and
-/// continuous at the horizon, not in absolute radiance (docs/method.md, "The plain sky").
-///   sky  J (1 - exp(-tau)),  J = E_sun T (rayleigh share / 4 pi + aerosol share x phase)
-///   sea  reflectance x sky at 10 degrees, seen through the air between, plus the light that air scatters in
-/// The academic sky (G04 figures 6.2, 6.3) is black, its Sun a white disk outside the air.
+/// The Sun's disk through the extinction of each ray's own columns, and the light of sky and sea (SkyGlow) where the
+/// ray comes from. The academic sky (G04 figures 6.2, 6.3) is black, its Sun a white disk outside the air.
 SkyTable make_sky_table(const SkyLight &light, const TransferTable &transfer, int waves);
+
+/// The part of a view that tells how to look `glow` up; null: nothing to look up.
+void set_azimuths(const SkyGlow *glow, f32::SkyView &view);
 
 /// Optical depth of a ray: Rayleigh, aerosol and ozone together.
 double optical_depth(const Transfer &ray, const SpectralAir &air);
 
-/// Light along a path that ends at something: the share of its light that passes, and the light of the air before it,
-/// of which `aureole` is to be multiplied by the aerosol's phase function. ray: columns up to there.
+/// Light along paths to places at one distance along the surface: the share of a place's light that passes, and the
+/// light of the air before it, of which `aureole` is to be multiplied by the aerosol's phase function.
 struct PathLight {
   double passed, isotropic, aureole;
 };
-PathLight light_of_path(const SkyLight &light, const Transfer &ray, std::size_t wave);
+/// ray: columns up to there, and where it was sent (bending, and direction there). air: up to there; null: black.
+PathLight light_of_path(const SkyLight &light, const Transfer &ray, const SkyGlow::AirBefore *air, std::size_t wave);
 
-/// Irradiance [W m^-2 nm^-1] on an upright white surface that faces the eye from an azimuth (from the picture's
-/// centre): the Sun as the air leaves it, and half a sky and half a sea as bright as those at 10 degrees.
+/// Irradiance [W m^-2 nm^-1] on an upright white surface at sea level that faces the eye from an azimuth (from the
+/// picture's centre): the Sun as the air leaves it, sky and sea by their mean light and its flux (DiffuseLight).
 double irradiance_on_upright(const SkyLight &light, double azimuth_rad, std::size_t wave);
-
-inline constexpr double aerosol_asymmetry = 0.76;
 
 }  // namespace greenray

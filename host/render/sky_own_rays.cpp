@@ -45,9 +45,11 @@ void add_sample(SkyRays &rays, const SkyLight &light, const OwnRayTargets &own_t
   const f32::Targets targets = table.view(waves);
   for (int column = 0; column < v.width; ++column) {
     const float half_azimuth = f32::sine_half_from_sun(&v, row.azimuths_rad[static_cast<std::size_t>(column)]);
+    const f32::SkySample from = f32::sky_sample(&v, sky.values.data(), waves, column, 0,
+                                                row.azimuths_rad[static_cast<std::size_t>(column)], half_azimuth);
     float band = 0;
     for (int w = 0; w < waves; ++w) {
-      const float behind = f32::sky_radiance(&v, sky.values.data(), sky.limb.data(), waves, w, column, 0, half_azimuth);
+      const float behind = f32::sky_radiance(&v, sky.values.data(), sky.disks.data(), waves, w, &from);
       const float radiance = f32::before_targets(&v, &targets, behind, behind, 0, w, column, 0,
                                                  row.azimuths_rad[static_cast<std::size_t>(column)], half_azimuth);
       sums.spectra[static_cast<std::size_t>(column * waves + w)] += radiance;

@@ -21,8 +21,13 @@ std::string key_of(const Scene &scene, const RenderPlan &plan, const RenderOptio
   Scene rays = scene;
   rays.sun = {};
   rays.sky = {};
+  rays.sky.model = scene.sky.model;                  // an academic sky is black,
+  rays.sky.ground_albedo = scene.sky.ground_albedo;  // others are lit from below
   rays.eye = {};
   rays.output = {};
+  rays.moon = {};
+  const bool lit = scene.sun.given != SunScene::Given::nothing || scene.moon.given != MoonScene::Given::nothing;
+  rays.sun.given = lit ? SunScene::Given::true_altitude : SunScene::Given::nothing;  // no light, no sky
   rays.tracing.spp.reset(), rays.tracing.error_pct.reset(), rays.tracing.minutes.reset();
   std::string key = scene_hash(rays) + (options.straight ? " straight" : "");
   for (const double number : {plan.first_elevation_deg, plan.spacing_arcsec, plan.azimuth_from_path_rad})
@@ -57,6 +62,9 @@ SkySight::SkySight(const Scene &scene, const RenderPlan &plan, const RenderOptio
   report_.table_cells = rays_->cells();
   report_.table_bound_arcsec = rays_->table_bound_arcsec();
   measure_table();
+  const bool lit = scene.sun.given != SunScene::Given::nothing || scene.moon.given != MoonScene::Given::nothing;
+  if (scene.sky.model != SkyScene::Model::academic && lit)
+    field_ = sky_field(scene, air_.at(0), spectral_air(scene, plan_.wavelengths_nm), plan_.wavelengths_nm);
   report_.build_seconds = seconds_since(begin);
   progress("rays");
   trace_table();

@@ -9,6 +9,7 @@
 
 #include "render/host_rays.hpp"
 #include "render/renderer.hpp"
+#include "render/sky_glow.hpp"
 #include "render/targets.hpp"
 #include "render/terrain_sights.hpp"
 #include "render/transfer.hpp"
@@ -28,6 +29,8 @@ class SkySight {
   const TransferCurve &curve() const { return curve_; }
   const TransferTable &transfer() const { return transfer_; }  // of all wavelengths of the picture
   const TransferProbes &probes() const { return probes_; }
+  /// Light of the sky, wherever the Sun stands; null in an academic scene.
+  const std::shared_ptr<const SkyField> &field() const { return field_; }
   /// Where the entries' rays pass the targets of the scene; without targets empty.
   const StationSights &stations() const { return stations_; }
   SightPlaces &places() { return *places_; }
@@ -62,6 +65,7 @@ class SkySight {
   TransferCurve curve_;
   TransferTable transfer_;
   TransferProbes probes_;
+  std::shared_ptr<const SkyField> field_;
   std::optional<SightPlaces> places_;
   StationSights stations_;
   std::optional<SeaSights> sea_;

@@ -42,20 +42,23 @@ HostRay reference_ray(const Scene &scene, const AirSection &air) {
   return host_ray(std::move(table), 0, {0, height_m}, azimuth_from_path_rad(scene));
 }
 
-/// True altitude of the point of the Sun that the scene names: given, or along the ray at 550 nm from its apparent
-/// place.
-static double true_altitude_rad(const Scene &scene, const HostRay &reference) {
-  const double given = to_rad(scene.sun.altitude_deg);
-  if (scene.sun.given != SunScene::Given::apparent_altitude) return given;
-  const f64::RayEnd end = reference(given);
-  if (end.outcome == f64::RAY_SPACE) return given - end.bending_rad;
+double true_from_apparent_rad(double apparent_rad, const std::string &key, const SourcePlace &place,
+                              const HostRay &reference) {
+  const f64::RayEnd end = reference(apparent_rad);
+  if (end.outcome == f64::RAY_SPACE) return apparent_rad - end.bending_rad;
   const double horizon_deg = to_deg(horizon_rad(reference).value_or(0));
   throw InputError(
-      scene.sun.altitude_place,
-      "sun.apparent_altitude_deg = " + plain_number(scene.sun.altitude_deg) + ": light from there comes from the " +
-          outcome_name(end.outcome) +
-          ", not from the sky; expected an altitude from which light comes from the sky (the horizon is at " +
-          plain_number(horizon_deg) + " deg at 550 nm)");
+      place, key + " = " + plain_number(to_deg(apparent_rad)) + ": light from there comes from the " +
+                 outcome_name(end.outcome) +
+                 ", not from the sky; expected an altitude from which light comes from the sky (the horizon is at " +
+                 plain_number(horizon_deg) + " deg at 550 nm)");
+}
+
+/// True altitude of the point of the Sun that the scene names.
+static double true_altitude_rad(const Scene &scene, const HostRay &reference) {
+  if (scene.sun.given != SunScene::Given::apparent_altitude) return to_rad(scene.sun.altitude_deg);
+  return true_from_apparent_rad(to_rad(scene.sun.altitude_deg), "sun.apparent_altitude_deg", scene.sun.altitude_place,
+                                reference);
 }
 
 SunPlace place_of_sun(const Scene &scene, const HostRay &reference) {
@@ -75,8 +78,14 @@ SunPlace place_of_sun(const Scene &scene, const HostRay &reference) {
 }
 
 void require_sun_in_sky(const Scene &scene, const RenderOptions &options) {
-  if (scene.sun.given == SunScene::Given::apparent_altitude)
-    (void)true_altitude_rad(scene, reference_ray(scene, AirSection(spec_for(scene, options))));
+  const bool sun = scene.sun.given == SunScene::Given::apparent_altitude;
+  const bool moon = scene.moon.given == MoonScene::Given::apparent_altitude;
+  if (!sun && !moon) return;
+  const HostRay reference = reference_ray(scene, AirSection(spec_for(scene, options)));
+  if (sun) (void)true_altitude_rad(scene, reference);
+  if (moon)
+    (void)true_from_apparent_rad(to_rad(scene.moon.altitude_deg), "moon.apparent_altitude_deg",
+                                 scene.moon.altitude_place, reference);
 }
 
 }  // namespace greenray

@@ -238,8 +238,10 @@ class SightWriter {
     const SightPlace &place = sights_.at(e, w, s);
     Transfer path{};
     path.column = place.column;
-    const double altitude = sights_.elevation_rad[e] - place.bending_rad;
-    write_path(at, altitude - light_.sun.true_altitude_rad, light_of_path(light_, path, w));
+    path.bending_rad = place.bending_rad;
+    path.true_altitude_rad = sights_.elevation_rad[e] - place.bending_rad;
+    write_path(at, path.true_altitude_rad - light_.sun.true_altitude_rad,
+               light_of_path(light_, path, light_.air_before.empty() ? nullptr : &light_.air_before.at(s), w));
     at[f32::TARGET_HEIGHT * padded_] = static_cast<float>(place.height_m);
     const SightPlace &next = sights_.at(std::min(e + 1, entries_ - 1), w, s);
     at[f32::TARGET_JOINED * padded_] = joined(place, next, edge(e, w));

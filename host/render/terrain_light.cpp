@@ -41,6 +41,9 @@ std::vector<float> light_before(const SkyLight &light, const StationSights &sigh
                                 std::size_t padded) {
   const std::size_t nodes = sights.elevation_rad.size(), stations = sights.station_m.size();
   std::vector<float> table(nodes * stations * f32::TERRAIN_CHANNEL_COUNT * padded);
+  std::vector<SkyGlow::AirBefore> airs;
+  if (light.glow)
+    for (const double distance_m : sights.station_m) airs.push_back(light.glow->air_before(distance_m));
   for (std::size_t n = 0; n < nodes; ++n)
     for (std::size_t s = 0; s < stations; ++s)
       for (std::size_t w = 0; w < wavelengths; ++w) {
@@ -49,7 +52,7 @@ std::vector<float> light_before(const SkyLight &light, const StationSights &sigh
         path.column = place.column;
         path.bending_rad = place.bending_rad;
         path.true_altitude_rad = sights.elevation_rad[n] - place.bending_rad;
-        const PathLight air = light_of_path(light, path, w);
+        const PathLight air = light_of_path(light, path, airs.empty() ? nullptr : &airs[s], w);
         float *at = &table[(n * stations + s) * f32::TERRAIN_CHANNEL_COUNT * padded + w];
         at[f32::TERRAIN_PASSED * padded] = static_cast<float>(air.passed);
         at[f32::TERRAIN_AIRLIGHT * padded] = static_cast<float>(air.isotropic);

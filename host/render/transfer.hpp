@@ -27,6 +27,9 @@ struct TransferTable {
   }
 };
 
+/// Apparent elevation [rad] at which a ray was sent.
+inline double elevation_rad(const Transfer &ray) { return ray.true_altitude_rad + ray.bending_rad; }
+
 /// A ray's end as an entry.
 Transfer transfer_of(const f64::RayEnd &end, double elevation_rad, double curvature_per_m);
 

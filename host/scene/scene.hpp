@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "atmosphere/profile_spec.hpp"
+#include "scene/moon_scene.hpp"
 #include "scene/sweeps.hpp"
 #include "scene/target_scene.hpp"
 #include "scene/terrain_scene.hpp"
@@ -26,6 +27,8 @@ struct AtmosphereScene {
   std::optional<double> turbidity;      // (molecular + aerosol) / molecular vertical optical depth at 550 nm, >= 1
   double angstrom = 1.3;
   double aerosol_scale_height_m = 1200.0;
+  double aerosol_asymmetry = 0.76;          // Henyey & Greenstein's g
+  double aerosol_scattering_albedo = 0.97;  // of what it takes from the light, the share that is scattered
 };
 
 struct ObserverScene {
@@ -51,8 +54,11 @@ struct SkyScene {
   enum class Model {
     plain,
     academic
-  } model = Model::plain;         // academic: black sky, white disk, no extinction (G04 figs 6.2, 6.3)
-  double sea_reflectance = 0.35;  // of the sky light a low view meets, waves included
+  } model = Model::plain;  // academic: black sky, white disk, no extinction (G04 figs 6.2, 6.3)
+  enum class Surface { sea, land } surface = Surface::sea;
+  double wind_m_s = 5.0;                  // raises the sea's waves
+  std::optional<double> sea_reflectance;  // a mirror of the sky at 10 degrees in place of waves
+  double ground_albedo = 0.06;            // lights the air from below; of land also what is seen. Default of land: 0.2
 };
 
 struct SeaScene {
@@ -104,6 +110,7 @@ struct Scene {
   AtmosphereScene atmosphere;
   ObserverScene observer;
   SunScene sun;
+  MoonScene moon;
   SkyScene sky;
   SeaScene sea;
   SpectrumScene spectrum;

@@ -9,6 +9,7 @@
 #include "scene/absorbers_file.hpp"
 #include "scene/ephemeris.hpp"
 #include "scene/eye_file.hpp"
+#include "scene/moon_file.hpp"
 #include "scene/target_file.hpp"
 #include "scene/terrain_file.hpp"
 #include "support/embedded.hpp"
@@ -126,6 +127,28 @@ void read_sun(const TomlTable &table, double observer_height_m, SunScene &sun) {
   table.read("limb_darkening", sun.limb_darkening);
 }
 
+void read_sky(const TomlTable &table, SkyScene &sky) {
+  table.read_word("model", sky.model, {{"plain", SkyScene::Model::plain}, {"academic", SkyScene::Model::academic}});
+  table.read_word("surface", sky.surface, {{"sea", SkyScene::Surface::sea}, {"land", SkyScene::Surface::land}});
+  table.read("wind_m_s", sky.wind_m_s, {0, 30, "m/s"});
+  table.read("sea_reflectance", sky.sea_reflectance, {0, 1});
+  if (sky.surface == SkyScene::Surface::land) {
+    constexpr double albedo_of_land = 0.2;
+    sky.ground_albedo = albedo_of_land;
+    for (const char *key : {"wind_m_s", "sea_reflectance"})
+      if (table.has(key)) table.complain(key, "belongs to surface = \"sea\"");
+  }
+  table.read("ground_albedo", sky.ground_albedo, {0, 1});
+}
+
+/// One wind raises the waves before the horizon and those that mirror the sky, unless [sky] has one of its own.
+void agree_on_sea(const TomlTable &root, Scene &scene) {
+  if (!scene.sea.rough) return;
+  if (scene.sky.surface == SkyScene::Surface::land)
+    root.table("sea").complain("wind_m_s", "expected no [sea] where sky.surface = \"land\"");
+  if (!root.table("sky").has("wind_m_s")) scene.sky.wind_m_s = scene.sea.wind_m_s;
+}
+
 void read_spectrum(const TomlTable &table, SpectrumScene &spectrum) {
   table.read("samples", spectrum.samples, {1, 256});
   std::vector<double> range;
@@ -174,6 +197,9 @@ Scene parse_scene(const std::string &file, std::string_view text, const std::vec
   document.prefer_overridden("sun", "altitude_deg", "apparent_altitude_deg");
   for (const char *altitude : {"altitude_deg", "apparent_altitude_deg"})
     document.prefer_overridden("sun", altitude, "when");
+  document.prefer_overridden("moon", "altitude_deg", "apparent_altitude_deg");
+  for (const char *altitude : {"altitude_deg", "apparent_altitude_deg"})
+    document.prefer_overridden("moon", altitude, "when");
   document.prefer_overridden("atmosphere.aerosol", "visibility_km", "turbidity");
   const TomlTable root = document.root();
   refuse_geometry(root);
@@ -189,10 +215,12 @@ Scene parse_scene(const std::string &file, std::string_view text, const std::vec
   read_observer(observer, scene.observer);
   read_sun(root.table("sun"), scene.observer.height_m, scene.sun);
   if (scene.sun.by_date && !observer.has("azimuth_deg")) scene.observer.azimuth_deg = *scene.sun.azimuth_deg;
-  const TomlTable sky = root.table("sky");
-  sky.read_word("model", scene.sky.model, {{"plain", SkyScene::Model::plain}, {"academic", SkyScene::Model::academic}});
-  sky.read("sea_reflectance", scene.sky.sea_reflectance, {0, 1});
+  read_moon(root.table("moon"), scene.observer.height_m, scene.moon);
+  if (scene.moon.by_date && !scene.sun.by_date && !observer.has("azimuth_deg"))
+    scene.observer.azimuth_deg = *scene.moon.azimuth_deg;
+  read_sky(root.table("sky"), scene.sky);
   read_sea(root.table("sea"), scene.sea);
+  agree_on_sea(root, scene);
   read_spectrum(root.table("spectrum"), scene.spectrum);
   read_tracing(root.table("tracing"), scene.tracing);
   read_eye_scene(root.table("eye"), scene.eye);

@@ -91,6 +91,8 @@ void add(Fingerprint &print, const AtmosphereScene &air) {
   print.add("aerosol.turbidity", air.turbidity);
   print.add("aerosol.angstrom", air.angstrom);
   print.add("aerosol.scale_height_m", air.aerosol_scale_height_m);
+  print.add("aerosol.asymmetry", air.aerosol_asymmetry);
+  print.add("aerosol.scattering_albedo", air.aerosol_scattering_albedo);
 }
 
 void add(Fingerprint &print, const ObserverScene &observer, const SunScene &sun, const SkyScene &sky) {
@@ -107,7 +109,10 @@ void add(Fingerprint &print, const ObserverScene &observer, const SunScene &sun,
   print.add("sun.diameter_arcmin", sun.diameter_arcmin);
   print.add_choice("sun.limb_darkening", sun.limb_darkening);
   print.add_choice("sky.model", sky.model);
+  print.add_choice("sky.surface", sky.surface);
+  print.add("sky.wind_m_s", sky.wind_m_s);
   print.add("sky.sea_reflectance", sky.sea_reflectance);
+  print.add("sky.ground_albedo", sky.ground_albedo);
 }
 
 void add(Fingerprint &print, const SpectrumScene &spectrum, const TracingScene &tracing, const EyeScene &eye) {
@@ -132,6 +137,20 @@ void add(Fingerprint &print, const SpectrumScene &spectrum, const TracingScene &
   for (const std::string *word : {&eye.bleaching_model, &eye.bleaching_pool, &eye.pupil}) print.add("eye.word", *word);
   for (const bool on : {eye.glare, eye.acuity, eye.colour, eye.sensitivity}) print.add_choice("eye.switch", on);
   for (const double x : {eye.ldmax_cd_m2, eye.contrast, eye.magnification, eye.age_years}) print.add("eye.number", x);
+}
+
+/// Nothing is added for a scene without a Moon.
+void add(Fingerprint &print, const MoonScene &moon) {
+  if (moon.given == MoonScene::Given::nothing) return;
+  print.add_choice("moon.given", moon.given);
+  print.add("moon.altitude_deg", moon.altitude_deg);
+  print.add("moon.azimuth_deg", moon.azimuth_deg);
+  print.add("moon.diameter_arcmin", moon.diameter_arcmin);
+  print.add("moon.phase_angle_deg", moon.phase_angle_deg);
+  print.add("moon.bright_limb_deg", moon.bright_limb_deg);
+  print.add("moon.sun_distance_au", moon.sun_distance_au);
+  if (moon.shadow_arcmin)
+    for (const double x : *moon.shadow_arcmin) print.add("moon.shadow_arcmin", x);
 }
 
 /// Nothing is added for a scene without targets: its hash is what it always was.
@@ -173,6 +192,7 @@ std::string scene_hash(const Scene &scene) {
   add(print, scene.observer, scene.sun, scene.sky);
   add(print, scene.spectrum, scene.tracing, scene.eye);
   print.add_choice("output.spectral", scene.output.spectral);
+  add(print, scene.moon);
   for (const TargetScene &target : scene.targets) add(print, target);
   add(print, scene.terrain);
   if (scene.sea.rough) {

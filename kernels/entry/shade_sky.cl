@@ -15,7 +15,7 @@
 #include "sky/terrain.h"
 #endif
 
-__kernel void shade_sky(__global const float *table, __global const float *limb, __global float *spectra,
+__kernel void shade_sky(__global const float *table, __global const float *disks, __global float *spectra,
                         __global float *moments, const SkyView view
 #if defined(WITH_TARGETS)
                         ,
@@ -60,19 +60,24 @@ __kernel void shade_sky(__global const float *table, __global const float *limb,
       const float at = clamp((LANE(d.elevation_rad, i) - view.first_elevation_rad) * view.entries_per_rad, 0.0f,
                              (float)(view.entries - 1));
       const int entry = min((int)at, view.entries - 2);
+      const SkySample from =
+          sky_sample(&view, table, waves, entry, at - (float)entry, LANE(d.azimuth_rad, i), LANE(half_azimuth, i));
+#if defined(WITH_TARGETS)
+      const SkySample from_sea =
+          sky_sample(&view, table, waves, scale.sea_entry, 0.0f, LANE(d.azimuth_rad, i), LANE(half_azimuth, i));
+#endif
       real band = SPREAD(0);
 #if defined(WITH_TERRAIN)
       const TerrainSight sight_of_terrain = terrain_sight(&terrain, at, LANE(d.azimuth_rad, i));
       TerrainHit met = first_terrain(&terrain, &sight_of_terrain, 0);
 #endif
       for (int g = 0; g < SKY_WAVES / LANES; ++g) {
-        real radiance =
-            sky_radiance(&view, table, limb, waves, g * LANES, entry, at - (float)entry, LANE(half_azimuth, i));
+        real radiance = sky_radiance(&view, table, disks, waves, g * LANES, &from);
 #if defined(WITH_TARGETS)
         const float azimuth = LANE(d.azimuth_rad, i);
         real sea = radiance;
         if (waves_hide(&targets, g * LANES, entry, at - (float)entry, azimuth))
-          sea = sky_radiance(&view, table, limb, waves, g * LANES, scale.sea_entry, 0.0f, LANE(half_azimuth, i));
+          sea = sky_radiance(&view, table, disks, waves, g * LANES, &from_sea);
         real terrain_m = SPREAD(0);
 #if defined(WITH_TERRAIN)
         if (g > 0 && terrain_scale.waves > 1) met = first_terrain(&terrain, &sight_of_terrain, g * LANES);

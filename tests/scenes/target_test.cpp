@@ -416,14 +416,16 @@ TEST(Targets, ExtinctionAndAirlightOfThePath) {
 }
 
 // oracle: Lambert: radiance of a white target = E/pi, E = E0 cos(altitude) of a Sun behind the eye; no air between, so
-//         E0 = ASTM E-490 at 550 nm (1.8661 W m^-2 nm^-1); a target before the Sun has none of it
+//         E0 = ASTM E-490 at 550 nm (1.8661 W m^-2 nm^-1); a target before the Sun has none of it. A ground of albedo a
+//         lights what is upright by half of its radiance's hemisphere: a E0 sin(altitude)/2
 // tolerance: 1 %: E0 is a mean over 5 nm
 TEST(Targets, SunlitReflectance) {
   const std::string scene =
       "greenray = 1\n[spectrum]\nsamples = 1\nrange_nm = [550.0, 550.0]\n[atmosphere]\nextinction = false\n";
   const Frame frame{0.0, 10, 4, 4, 4};
-  const auto radiance = [&](double azimuth_deg) {
-    return value(make(scene + "[sun]\naltitude_deg = 30.0\nazimuth_deg = " + text(azimuth_deg) + "\n" +
+  const auto radiance = [&](double azimuth_deg, double albedo = 0) {
+    return value(make(scene + "[sky]\nground_albedo = " + text(albedo) +
+                          "\n[sun]\naltitude_deg = 30.0\nazimuth_deg = " + text(azimuth_deg) + "\n" +
                           rectangle(1000, 2000, -500, 1000, "reflectance = 0.5"),
                       frame, {}, straight)
                      .image,
@@ -432,6 +434,7 @@ TEST(Targets, SunlitReflectance) {
   EXPECT_NEAR(radiance(180) / (0.5 * 1.8661 * std::cos(to_rad(30)) / pi), 1, 0.01);
   EXPECT_NEAR(radiance(120) / radiance(180), 0.5, 1e-4);
   EXPECT_EQ(radiance(0), 0);
+  EXPECT_NEAR(radiance(0, 0.2) / (0.5 * 1.8661 * 0.2 * std::sin(to_rad(30)) / 2 / pi), 1, 0.01);
 }
 
 // oracle: areas of polygons by the shoelace formula, with the even-odd rule: a square with a square hole as one outline
