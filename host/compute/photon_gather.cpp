@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "compute/device_answers.hpp"
 #include "compute/photon_map_state.hpp"
 #include "compute/program.hpp"
 #include "support/error.hpp"
@@ -142,6 +143,7 @@ GatherAnswers PhotonGather::read() const {
   state_->irradiance->read(answers.irradiance.data(), answers.irradiance.size());
   state_->spread->read(answers.spread.data(), n);
   state_->gathered->read(answers.gathered.data(), n);
+  require_numbers(answers.irradiance, "irradiances");
   return answers;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "compute/device_answers.hpp"
 #include "compute/photon_map_state.hpp"
 #include "compute/program.hpp"
 #include "support/error.hpp"
@@ -128,6 +129,7 @@ void PhotonMap::State::build(std::size_t count, const Bounds &bounds, double cel
   }
   Filing done{};
   filing_.read(&done, 1);
+  if (done.filed < 0 || static_cast<std::size_t>(done.filed) > count) throw_bad_answer("a number of photons");
   filed = static_cast<std::size_t>(done.filed);
 }
 

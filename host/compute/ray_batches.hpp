@@ -46,7 +46,7 @@ void trace_in_batches(Device::State &device, std::span<const Wide> all, const st
 template <class End>
 void note_end(TraceStats &stats, const End &end) {
   ++stats.rays;
-  ++stats.outcomes[static_cast<std::size_t>(std::clamp(end.outcome, 0, static_cast<int>(f64::RAY_OUTCOMES) - 1))];
+  ++stats.outcomes[static_cast<std::size_t>(end.outcome)];
   stats.steps += static_cast<std::uint64_t>(end.steps);
   stats.rejected += static_cast<std::uint64_t>(end.rejected);
   if (end.outcome == f64::RAY_SPACE || end.outcome == f64::RAY_GROUND) {

@@ -1,6 +1,7 @@
 // The eye's half of a RoomTracer: its paths, lamps seen, and what surfaces fill of a gather's disc.
 #include <algorithm>
 
+#include "compute/device_answers.hpp"
 #include "compute/room_tracer_state.hpp"
 
 namespace greenray {
@@ -39,6 +40,8 @@ EyeBand RoomTracer::see(const room_twin::EyeCamera &camera, std::span<const int>
   samples.read(band.samples.data(), count);
   radiance.read(band.radiance.data(), band.radiance.size());
   weight.read(band.weight.data(), band.weight.size());
+  require_numbers(band.radiance, "radiances");
+  require_numbers(band.weight, "weights of eye paths");
   return band;
 }
 
@@ -64,6 +67,7 @@ std::vector<float> RoomTracer::see_lamps(const room_twin::EyeCamera &camera, con
     throw_failed_call(error, "kernel see_lamps", state_->device.info.name);
   }
   seen.read(lamps.data(), lamps.size());
+  require_numbers(lamps, "radiances of lamps");
   return lamps;
 }
 

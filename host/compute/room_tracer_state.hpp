@@ -1,10 +1,13 @@
 // The OpenCL side of a RoomTracer. Included by host/compute only.
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
 
+#include "compute/device_answers.hpp"
 #include "compute/photon_map_state.hpp"
 #include "compute/room_tracer.hpp"
 #include "compute/surface_scene_state.hpp"
@@ -94,10 +97,14 @@ struct RoomTracer::State {
     tallies.read(read.data(), chunks);
     totals.photons = batch.photons;
     for (const room_twin::ChunkTally &t : read) note(t, totals, most);
+    require_balance(totals);
     return totals;
   }
 
   static void note(const room_twin::ChunkTally &t, PhotonTotals &totals, std::array<int, 2> &most) {
+    const bool counts = t.bounces >= 0 && std::min({t.stored[0], t.stored[1]}) >= 0 &&
+                        std::min({t.outcome[0], t.outcome[1], t.outcome[2], t.outcome[3]}) >= 0;
+    if (!counts) throw_bad_answer("counts of photons");
     const auto power = [&](int k) { return static_cast<double>(t.power[k]); };
     totals.emitted += power(room_twin::TALLY_EMITTED);
     totals.absorbed += power(room_twin::TALLY_ABSORBED);
@@ -110,6 +117,12 @@ struct RoomTracer::State {
       totals.stored[i] += static_cast<std::uint64_t>(t.stored[i]);
       most[i] = std::max(most[i], t.stored[i]);
     }
+  }
+
+  /// Every photon ends somewhere; floats of a chunk add up to 1e-5 of it.
+  static void require_balance(const PhotonTotals &t) {
+    const double ends = t.absorbed + t.escaped + t.medium + t.dropped;
+    if (!(std::abs(t.emitted - ends) <= 1e-3 * std::abs(t.emitted))) throw_bad_answer("powers of photons");
   }
 
   SurfaceScene scene;

@@ -4,6 +4,7 @@
 
 #include "compute/program.hpp"
 #include "compute/ray_batches.hpp"
+#include "compute/ray_end.hpp"
 #include "support/error.hpp"
 
 namespace greenray {
@@ -15,27 +16,30 @@ f32_section::RayStart narrowed(const f64_section::RayStart &s) {
           s.cell,       s.column, f(s.along_m), f(s.course),      f(s.beam)};
 }
 
-f64_section::RayEnd widened(const f64_section::RayEnd &e) { return e; }
+f64_section::RayEnd widened(const f64_section::RayEnd &e) {
+  require_ray_end(e);
+  return e;
+}
 f64_section::RayEnd widened(const f32_section::RayEnd &e) {
-  return {e.above_m,
-          e.run,
-          e.rise,
-          e.sigma_m,
-          e.bending_rad,
-          e.optical_path_m,
-          {e.column[0], e.column[1], e.column[2]},
-          e.min_z_m,
-          e.max_z_m,
-          e.solver_error_rad,
-          e.bouguer_drift,
-          e.cell,
-          e.outcome,
-          e.turning_points,
-          e.steps,
-          e.rejected,
-          e.column_number,
-          e.along_m,
-          e.sideways_rad};
+  return widened(f64_section::RayEnd{e.above_m,
+                                     e.run,
+                                     e.rise,
+                                     e.sigma_m,
+                                     e.bending_rad,
+                                     e.optical_path_m,
+                                     {e.column[0], e.column[1], e.column[2]},
+                                     e.min_z_m,
+                                     e.max_z_m,
+                                     e.solver_error_rad,
+                                     e.bouguer_drift,
+                                     e.cell,
+                                     e.outcome,
+                                     e.turning_points,
+                                     e.steps,
+                                     e.rejected,
+                                     e.column_number,
+                                     e.along_m,
+                                     e.sideways_rad});
 }
 
 }  // namespace

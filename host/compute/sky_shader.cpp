@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "compute/buffer.hpp"
+#include "compute/device_answers.hpp"
 #include "compute/program.hpp"
 #include "support/error.hpp"
 
@@ -159,6 +160,8 @@ void SkyShader::set_sums(const SkySums &sums) {
 void SkyShader::with_sums(const std::function<void(const SkySums &)> &use) const {
   const auto spectra = state_->spectra.map(state_->pixels() * static_cast<std::size_t>(state_->waves));
   const auto moments = state_->moments.map(state_->pixels() * 2);
+  require_numbers(spectra.values(), "radiances");
+  require_numbers(moments.values(), "radiances");
   use({spectra.values(), moments.values()});
 }
 

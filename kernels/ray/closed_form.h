@@ -64,7 +64,7 @@ DEVICE real turning_place(const LayerSine *s) {
   for (int i = 0; i < 2; ++i) { /* the cubic term, by Newton */
     const real slope = s->linear + f * (R(2) * s->square - R(3) * f * s->cubic);
     const real next = f - sine2_at(s, f) / (slope < R(0) ? slope : SPREAD(-1));
-    f = (slope < R(0)) & (next > R(0)) & (next < R(1)) ? next : f;
+    f = ((slope < R(0)) & (next > R(0)) & (next < R(1))) ? next : f;
   }
   return f;
 }

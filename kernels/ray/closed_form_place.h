@@ -127,7 +127,7 @@ DEVICE void place_rays_at(const LayeredAir *air, real sine, real cosine, real di
   real rise = up ? (leg.mirrored ? -out : out) : (leg.mirrored ? out : -out);
   real bending = cosine * value[LAYER_BENDING];
   mask outcome = leg.ended ? (up ? SPREAD_INT(RAY_SPACE) : SPREAD_INT(RAY_GROUND)) : SPREAD_INT(RAY_IN_FLIGHT);
-  outcome = (bending == bending) & (rise == rise) ? outcome : SPREAD_INT(RAY_NOT_FINITE);
+  outcome = ((bending == bending) & (rise == rise)) ? outcome : SPREAD_INT(RAY_NOT_FINITE);
   mask turning_points = leg.turning_points;
   for (int i = 0; i < LANES && i < count; ++i) {
     RayEnd end;
