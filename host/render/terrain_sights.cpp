@@ -9,7 +9,8 @@
 namespace greenray {
 namespace {
 
-constexpr double traced_over_distance = 0.03;  // of blocks farther apart than that every one is traced
+// Of blocks farther apart than that every one is traced; in air that varies every distance is a ray of its own.
+constexpr double traced_over_distance = 0.03, traced_in_section = 0.1;
 constexpr std::size_t most_nodes = 4096, places_at_once = 400000;
 constexpr int pixels_between_nodes = 4, light_stations = 48, error_probes = 64;
 constexpr double tolerance_pixels = 0.02, narrowest_pixels = 1.0 / 64;
@@ -17,11 +18,12 @@ constexpr double tolerance_pixels = 0.02, narrowest_pixels = 1.0 / 64;
 /// Heights of rays where blocks begin: traced at some, between them by cubics through heights and slopes.
 class BlockHeights {
  public:
-  BlockHeights(const std::vector<double> &block_m, double radius_m) : block_m_(block_m), radius_m_(radius_m) {
+  BlockHeights(const std::vector<double> &block_m, double radius_m, double apart)
+      : block_m_(block_m), radius_m_(radius_m) {
     for (std::size_t i = 0; i < block_m.size();) {
       traced_.push_back(i);
       std::size_t next = i + 1;
-      while (next + 1 < block_m.size() && block_m[next + 1] < block_m[i] * (1 + traced_over_distance)) ++next;
+      while (next + 1 < block_m.size() && block_m[next + 1] < block_m[i] * (1 + apart)) ++next;
       i = next;
     }
     if (traced_.back() + 1 != block_m.size()) traced_.push_back(block_m.size() - 1);
@@ -160,7 +162,8 @@ class TerrainTracer {
         curve_(curve),
         transfer_(transfer),
         pixel_(pixel_rad),
-        heights_(terrain.block_m, from.air.spec().earth_radius_m) {
+        heights_(terrain.block_m, from.air.spec().earth_radius_m,
+                 from.section ? traced_in_section : traced_over_distance) {
     out_.waves = bent_nm.size() > 1 ? padded : 1;
   }
 
@@ -179,7 +182,8 @@ class TerrainTracer {
 
   void place_nodes() {
     std::vector<double> three = nm_;
-    if (three.size() > 3) three = {nm_.front(), nm_[nm_.size() / 2], nm_.back()};
+    if (from_.section) three = {nm_[nm_.size() / 2]};
+    else if (three.size() > 3) three = {nm_.front(), nm_[nm_.size() / 2], nm_.back()};
     SightPlaces rays(from_.air, three, from_.options, from_.section, from_.device);
     const double low = transfer_.elevation_rad(0), high = transfer_.elevation_rad(transfer_.entries - 1);
     std::vector<double> first{low, high};
