@@ -202,7 +202,7 @@ void SkyRun::leave_band(bool failed) {
   if (failed && band_ && keeping_ && spent_seconds() >= keeping_->not_before) {
     try {
       left_ = band_();
-    } catch (const Error &) {  // the device is gone: the band is made again
+    } catch (const std::exception &) {  // the device is gone, or no room: the band is made again
     }
   }
   band_ = nullptr;
