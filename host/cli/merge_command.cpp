@@ -27,6 +27,7 @@ Arguments arguments_of(const PartHead &head, const Arguments &a) {
 }
 
 int merge(const Arguments &a) {
+  (void)a.file("--output", ".exr");  // a wrong word is told before the work
   std::vector<fs::path> parts(a.positional().begin(), a.positional().end());
   std::vector<PartHead> heads;
   for (const fs::path &part : parts) heads.push_back(read_part_head(part));

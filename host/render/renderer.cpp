@@ -187,8 +187,8 @@ class Renderer {
     shade_rows(picture, 1, 0, [&](int first, int last, SkyRun &run) {
       const TraceStats before_these = sight_->rays().stats();
       shade_with_own_rays(sight_->rays(), light_, targets, view(), plan_, {first, last}, picture);
+      progress("picture", static_cast<double>(last) / picture.height());  // may throw: then the row is made again
       run.add_rays(sight_->rays().stats().since(before_these));
-      progress("picture", static_cast<double>(last) / picture.height());
     });
     report_.trace = before;
     report_.trace.add(run_->rays());
@@ -251,6 +251,8 @@ class Renderer {
       if (plan_.error_pct && noise * 100 <= *plan_.error_pct) return true;
       return plan_.minutes && seconds() >= *plan_.minutes * 60 * share;
     };
+    // Whatever stops it, its sums must be read while it is there.
+    const SkyRun::InBand leave(run);
     while (samples < wanted && !is_enough()) {
       const int pass = std::min(adaptive() ? std::max(4, samples / 2) : 8, wanted - samples);
       run.in_band({});

@@ -198,6 +198,16 @@ void SkyRun::in_band(std::function<SkyBand()> band) {
   if (band_ && is_time()) keep_if_possible(band_());
 }
 
+void SkyRun::leave_band(bool failed) {
+  if (failed && band_ && keeping_ && spent_seconds() >= keeping_->not_before) {
+    try {
+      left_ = band_();
+    } catch (const std::exception &) {  // the device is gone, or no room: the band is made again
+    }
+  }
+  band_ = nullptr;
+}
+
 /// A full disk must not end a render that may still fit its picture.
 void SkyRun::keep_if_possible(const std::optional<SkyBand> &band) {
   try {
@@ -231,9 +241,8 @@ void SkyRun::keep_after(const std::exception_ptr &error) {
   } catch (const Error &stopped) {
     const bool interrupted = stopped.exit_code() == ExitCode::interrupted;
     if (!keeping_ || spent_seconds() < keeping_->not_before) throw;
-    std::optional<SkyBand> begun;
+    const std::optional<SkyBand> begun = std::move(left_);
     try {
-      if (band_) begun = band_();
       if (done_ == first_ && !begun) throw;
       write(begun);
     } catch (const Error &second) {

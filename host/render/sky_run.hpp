@@ -2,6 +2,7 @@
 // together with the same bits.
 #pragma once
 #include <chrono>
+#include <exception>
 #include <filesystem>
 #include <optional>
 
@@ -54,6 +55,18 @@ class SkyRun {
   void band_done(int last_row);
   /// After a pass of a band: how its sums are read, and perhaps kept; nothing while they are not whole.
   void in_band(std::function<SkyBand()> band);
+  /// Ends what in_band was told; its sums are kept in mind if that is by an exception.
+  class InBand {
+   public:
+    explicit InBand(SkyRun &run) : run_(run), failures_(std::uncaught_exceptions()) {}
+    ~InBand() { run_.leave_band(std::uncaught_exceptions() > failures_); }
+    InBand(const InBand &) = delete;
+    InBand &operator=(const InBand &) = delete;
+
+   private:
+    SkyRun &run_;
+    int failures_;
+  };
   /// What to throw when `error` stopped it: says what was kept.
   [[noreturn]] void keep_after(const std::exception_ptr &error);
   /// The finished part, with the channels that describe its rows.
@@ -61,6 +74,7 @@ class SkyRun {
 
  private:
   void take_up();
+  void leave_band(bool failed);
   bool is_time() const;
   void keep_if_possible(const std::optional<SkyBand> &band);
   void write(const std::optional<SkyBand> &band);
@@ -75,7 +89,7 @@ class SkyRun {
   bool complete_ = false;
   double seconds_before_ = 0, keep_seconds_ = 0;
   TraceStats rays_;
-  std::optional<SkyBand> begun_;
+  std::optional<SkyBand> begun_, left_;  // left_: by an exception
   std::function<SkyBand()> band_;
 };
 
