@@ -66,8 +66,8 @@ AzimuthRange azimuths_from(const Scene &scene, const RenderPlan &plan, double az
 
 RenderPlan plan_render(const Scene &scene, const RenderOptions &options);
 
-/// Throws InputError when the Sun's or the Moon's apparent altitude is given and light from there does not come from the sky. Needs
-/// no device; `render` does the same later.
+/// Throws InputError when the Sun's or the Moon's apparent altitude is given and light from there does not come from
+/// the sky. Needs no device; `render` does the same later.
 void require_sun_in_sky(const Scene &scene, const RenderOptions &options);
 
 struct RenderReport {
