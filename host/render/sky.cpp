@@ -74,16 +74,26 @@ PathLight light_of_path(const SkyLight &light, const Transfer &ray, const SkyGlo
   return {left, below[0] + t * (above[0] - below[0]), below[padded] + t * (above[padded] - below[padded])};
 }
 
-double irradiance_on_upright(const SkyLight &light, double azimuth_rad, std::size_t wave) {
-  const SpectralAir &air = light.air[wave];
+GroundLight light_on_ground(const SkyLight &light, std::size_t wave) {
   const SunPlace &sun = light.sun;
   const Transfer &ray = light.towards_sun[wave];
   const double outside = light.irradiance.empty() ? 0 : light.irradiance[wave];
+  const bool direct = (sun.shines || light.moon.shines) && ray.outcome == f64::RAY_SPACE &&
+                      std::abs(ray.true_altitude_rad - sun.true_altitude_rad) < sun.radius_rad;
+  const double by_sun = direct ? outside * std::exp(-optical_depth(ray, light.air[wave])) : 0;
+  if (!light.glow) return {by_sun, 0};
+  const DiffuseLight &diffuse = light.glow->field().diffuse();
+  std::vector<float> by_sky(diffuse.padded());
+  diffuse.irradiance(sun.true_altitude_rad, by_sky.data());
+  return {by_sun, outside * static_cast<double>(by_sky[wave])};
+}
+
+double irradiance_on_upright(const SkyLight &light, double azimuth_rad, std::size_t wave) {
+  const SunPlace &sun = light.sun;
+  const double outside = light.irradiance.empty() ? 0 : light.irradiance[wave];
   const double towards_eye = -std::cos(sun.azimuth_rad - azimuth_rad);  // cosine of the azimuths of Sun and surface
   const double facing = std::cos(sun.true_altitude_rad) * towards_eye;
-  const bool direct = (sun.shines || light.moon.shines) && facing > 0 && ray.outcome == f64::RAY_SPACE &&
-                      std::abs(ray.true_altitude_rad - sun.true_altitude_rad) < sun.radius_rad;
-  const double by_sun = direct ? facing * outside * std::exp(-optical_depth(ray, air)) : 0;
+  const double by_sun = std::max(facing, 0.0) * light_on_ground(light, wave).sun;
   if (!light.glow) return by_sun;
   // Of light whose radiance is mean + 3 flux . direction a surface takes pi mean + 2 pi flux . normal.
   const DiffuseLight &diffuse = light.glow->field().diffuse();

@@ -54,4 +54,10 @@ PathLight light_of_path(const SkyLight &light, const Transfer &ray, const SkyGlo
 /// picture's centre): the Sun as the air leaves it, sky and sea by their mean light and its flux (DiffuseLight).
 double irradiance_on_upright(const SkyLight &light, double azimuth_rad, std::size_t wave);
 
+/// Irradiance [W m^-2 nm^-1] on what faces the Sun at sea level, and on the level ground by the sky.
+struct GroundLight {
+  double sun, sky;
+};
+GroundLight light_on_ground(const SkyLight &light, std::size_t wave);
+
 }  // namespace greenray

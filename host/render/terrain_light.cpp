@@ -8,18 +8,6 @@
 namespace greenray {
 namespace {
 
-/// Irradiance on ground that faces the Sun, and what comes to all ground from the sky [W m^-2 nm^-1].
-struct GroundLight {
-  double sun, sky;
-};
-
-/// From that on upright surfaces, one turned to the Sun and one away from it.
-GroundLight light_on_ground(const SkyLight &light, std::size_t wave) {
-  const double away = irradiance_on_upright(light, light.sun.azimuth_rad, wave);
-  const double towards = irradiance_on_upright(light, light.sun.azimuth_rad + pi, wave);
-  return {(towards - away) / std::cos(light.sun.true_altitude_rad), away};
-}
-
 std::vector<float> shine_of(const Scene &scene, const SkyLight &light, const std::vector<double> &wavelengths_nm,
                             std::size_t padded) {
   const std::array<double, 3> &colour = scene.terrain.reflectance;
