@@ -127,9 +127,11 @@ void set_azimuths(const SkyGlow *glow, f32::SkyView &view) {
   if (!glow) return;
   view.azimuth_middle = static_cast<float>(0.5 * (glow->nearest() + glow->farthest()));
   view.azimuth_per_half = static_cast<float>(2 / (glow->farthest() - glow->nearest()));
-  for (std::size_t m = 0; m < glow->azimuths(); ++m)
-    view.azimuth_places[m] =
-        static_cast<float>(-std::cos(pi * static_cast<double>(m) / static_cast<double>(glow->azimuths() - 1)));
+  if (view.azimuths == 1) view.azimuth_places[0] = 0;
+  else
+    for (std::size_t m = 0; m < glow->azimuths(); ++m)
+      view.azimuth_places[m] =
+          static_cast<float>(-std::cos(pi * static_cast<double>(m) / static_cast<double>(glow->azimuths() - 1)));
   view.slope2 = static_cast<float>(glow->slope2());
   view.phase_asymmetry = static_cast<float>(glow->field().optics().aerosol_asymmetry);
 }

@@ -77,8 +77,9 @@ SkyGlow::SkyGlow(std::shared_ptr<const SkyField> field, const SkyScene &sky, dou
   });
 }
 
-/// Chebyshev's extreme points between the nearest and the farthest.
+/// Chebyshev's extreme points between the nearest and the farthest; one: the middle.
 std::vector<double> SkyGlow::azimuth_places(std::size_t count) const {
+  if (count == 1) return {0.5 * (near_ + far_)};
   std::vector<double> places;
   for (std::size_t m = 0; m < count; ++m) {
     const double x = -std::cos(pi * static_cast<double>(m) / static_cast<double>(count - 1));
@@ -129,12 +130,13 @@ void SkyGlow::choose_azimuths(const GlowRange &range) {
   std::vector<std::vector<float>> truth;
   for (int i = 0; i < probes; ++i)
     truth.push_back(rows(range.low_rad + (range.high_rad - range.low_rad) * (i + 0.5) / probes, all));
-  for (azimuths_ = 2; azimuths_ < most_azimuths; azimuths_ = 2 * azimuths_ - 1) {
+  for (azimuths_ = 1; azimuths_ < most_azimuths; azimuths_ = azimuths_ == 1 ? 2 : 2 * azimuths_ - 1) {
     const std::vector<double> nodes = azimuth_places(azimuths_);
-    const std::size_t stride = (most_azimuths - 1) / (azimuths_ - 1);
+    const std::size_t stride = (most_azimuths - 1) / std::max<std::size_t>(azimuths_ - 1, 1);
+    const std::size_t first = azimuths_ == 1 ? (most_azimuths - 1) / 2 : 0;  // the node of one, among all
     azimuth_error_ = 0;
     for (std::size_t k = 0; k < all.size(); ++k) {
-      if (k % stride == 0) continue;
+      if (azimuths_ == 1 ? k == first : k % stride == 0) continue;
       std::vector<double> weights(azimuths_, 1);
       for (std::size_t m = 0; m < azimuths_; ++m)
         for (std::size_t j = 0; j < azimuths_; ++j)
@@ -142,7 +144,7 @@ void SkyGlow::choose_azimuths(const GlowRange &range) {
       for (const std::vector<float> &row : truth)
         for (std::size_t c = first_azimuth * n; c < (first_azimuth + 2) * n; ++c) {
           double sum = 0, largest = 0;
-          for (std::size_t m = 0; m < azimuths_; ++m) sum += weights[m] * row[2 * m * stride * n + c];
+          for (std::size_t m = 0; m < azimuths_; ++m) sum += weights[m] * row[2 * (first + m * stride) * n + c];
           for (std::size_t j = 0; j < all.size(); ++j) largest = std::max<double>(largest, row[2 * j * n + c]);
           const double is = row[2 * k * n + c];
           if (largest > 0) azimuth_error_ = std::max(azimuth_error_, std::abs(sum - is) / (is + faint * largest));

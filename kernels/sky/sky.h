@@ -96,6 +96,10 @@ typedef struct SkySample {
 DEVICE void azimuth_weights(const SkyView *v, float half_azimuth, float *weight) {
   const float place = (half_azimuth * half_azimuth - v->azimuth_middle) * v->azimuth_per_half;
   const float x = place < -1.0f ? -1.0f : place > 1.0f ? 1.0f : place;
+  if (v->azimuths == 1) {
+    weight[0] = 1.0f;
+    return;
+  }
   if (v->azimuths == 2) {
     weight[0] = 0.5f - 0.5f * x, weight[1] = 0.5f + 0.5f * x;
     return;
